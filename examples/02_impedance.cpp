@@ -1,7 +1,7 @@
-// An arm that gives way: impedance control against a spring, by an identified MODEL, of an arm that
-// carries an instrument which the MODEL does not know and has more friction than it had.
+// A compliant arm: impedance control against a spring, with an identified MODEL, of an arm that carries an
+// instrument and has more friction than the MODEL contains.
 //
-//   example_02_impedance psm_identified.yaml      what 01_identify writes
+//   example_02_impedance psm_identified.yaml      written by 01_identify
 
 #include <algorithm>
 #include <iostream>
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     const TipKinematics& tip = controller.measure(measured, SimulatedRobot::kCycle).tip();
     robot.push(-(tip.jacobian().transpose() * measured.wrench));  // the spring on the arm
     robot.write(controller.act(wanted));
-    measured.wrench.head<3>() = 1000.0 * (tip.position() - anchor);  // what a force sensor says
+    measured.wrench.head<3>() = 1000.0 * (tip.position() - anchor);  // reading of a force sensor
   }
   const double force = measured.wrench.head<3>().norm();
   std::cout << "force " << force << " N\n";

@@ -1,7 +1,7 @@
-// Two arms hold a spring between their tips, carry it by 5 cm and keep 5 N in it. The controllers
-// have the MODEL of the first arm; the second one carries a load that it does not know.
+// Two arms hold a spring between their tips, carry it by 5 cm and keep a force of 5 N in it. The controllers
+// use the MODEL of the first arm; the second one carries a load that the MODEL does not contain.
 //
-//   example_03_cooperate psm_identified.yaml      what 01_identify writes
+//   example_03_cooperate psm_identified.yaml      written by 01_identify
 
 #include <iostream>
 

@@ -1,4 +1,4 @@
-// From recordings, bags as they are, to what the model of the arm lacks; the last one is held out:
+// From recordings, such as bags, to what the model of the arm lacks; the last one is held out:
 //
 //   example_04_from_a_bag psm-3dof monday.bag tuesday.bag wednesday.mcap
 //   example_04_from_a_bag ur10e monday.bag tuesday.bag tau=A      efforts are motor currents

@@ -1,7 +1,7 @@
-// Computed torque with an identified MODEL, on an arm that is not quite what the MODEL says: it
-// carries a load that it did not have when it was identified, and its drives are a bit too strong.
+// Computed torque with an identified MODEL, on an arm that differs from the MODEL: it carries a load that it
+// did not have when it was identified, and its drives are slightly too strong.
 //
-//   example_05_computed_torque psm_identified.yaml      what 01_identify writes
+//   example_05_computed_torque psm_identified.yaml      written by 01_identify
 
 #include <iostream>
 
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   Measured measured(arm.joints());
   robot.read(measured.q);
   JointReference wanted = controller.reference_at(measured);
-  QuinticInterpolator path(wanted.q);  // begins where the arm stands
+  QuinticInterpolator path(wanted.q);  // begins at the arm's position
   path.move_to(wanted.q + Eigen::Vector3d(0.4, -0.3, 0.05), 2.0);
   double worst = 0.0;
   for (int k = 0; k < 3000; ++k) {

@@ -1,7 +1,7 @@
-// A controller that keeps what it sees, and a better model made of it. The MODEL at hand does not
-// know the load that the arm has got since.
+// A controller that records its signals, and a better model identified from them. The MODEL does not contain
+// the load that the arm has carried since.
 //
-//   example_06_log_and_identify psm_identified.yaml     what 01_identify writes
+//   example_06_log_and_identify psm_identified.yaml     written by 01_identify
 
 #include <iostream>
 
@@ -10,7 +10,7 @@
 
 using namespace veridyn;
 
-// The log holds what the robot shows: identification undoes what a model knows about its sensors.
+// The log holds measured positions: identification corrects the sensor errors of the model.
 Recording record(const Model& arm, double frequency) {
   SimulatedRobot robot({"payload:tool:mass=0.2"});
   JointController controller(arm, {.kp = 400, .kd = 40, .cycle = {.torque = 40}});
@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   const Model arm = read_model(argc > 1 ? argv[1] : "psm_identified.yaml");
   const Identification better = identify(read_model("psm-3dof"), record(arm, 0.3));
   save(better, "psm_with_load.yaml");
-  const Recording other = record(*better.model, 0.23);  // another motion judges
+  const Recording other = record(*better.model, 0.23);  // tested on another motion
   double before = 0.0, after = 0.0;
   for (const JointScore& joint : validate(arm, other)) std::cout << "old, " << joint << '\n', before += joint.error;
   for (const JointScore& joint : validate(better, other)) std::cout << "new, " << joint << '\n', after += joint.error;

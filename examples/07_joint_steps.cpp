@@ -1,8 +1,8 @@
-// Steps of one joint after the other under computed torque with gains of one's own, as figure 7.3 of
-// the thesis: 0.05 rad, 0.05 rad, 5 mm, each over one second. First with friction compensation and
-// the observer of model errors, then by the law alone.
+// Steps of one joint after the other under computed torque, with the gains of figure 7.3 of the thesis: 0.05
+// rad, 0.05 rad, 5 mm, each over one second. First with friction compensation and the observer of model
+// errors, then without both.
 //
-//   example_07_joint_steps psm_identified.yaml      what 01_identify writes
+//   example_07_joint_steps psm_identified.yaml      written by 01_identify
 
 #include <iostream>
 
@@ -13,7 +13,7 @@ using namespace veridyn;
 
 // Largest distance of a joint from its goal [rad], [m] when the next one begins, two seconds after its step.
 double steps(const Model& arm, const JointControllerOptions& options) {
-  SimulatedRobot robot({"payload:tool:mass=0.05"});  // which the MODEL does not know
+  SimulatedRobot robot({"payload:tool:mass=0.05"});  // which the MODEL does not contain
   JointController controller(arm, options);
   Measured measured(3);
   robot.read(measured.q);

@@ -10,27 +10,28 @@
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/world.hpp"
 
-/// Two da Vinci arms side by side, in place of real ones: their tips hold a spring with a force sensor.
+/// Two simulated da Vinci arms side by side, in place of real ones: their tips hold a spring with a force
+/// sensor.
 class SimulatedPair {
  public:
   static constexpr double kCycle = 0.001;       // [s]
   static constexpr double kStiffness = 2450.0;  // [N/m] of the spring
 
-  /// @param unknown  of the second arm, as `veridyn simulate --effect`.
+  /// @param unknown  effects of the second arm that the MODEL lacks, as `veridyn simulate --effect`.
   explicit SimulatedPair(const std::vector<std::string>& unknown)
       : tau_(2, veridyn::VectorXd::Zero(3)), world_(make(unknown)) {
     for (int a : {0, 1}) world_.set_state(a, Eigen::Vector3d(0.0, 0.05, 0.12), tau_[a]);
   }
 
-  /// Where the base of an arm is in the world [m].
+  /// Origin of an arm's base in the world [m].
   static Eigen::Vector3d base(int arm) { return {0.12 * arm, 0.0, 0.0}; }
-  /// What its encoders show [rad], [m].
+  /// Encoder readings [rad], [m].
   void read(int arm, veridyn::VectorXd& q) const { q = world_.q(arm); }
-  /// What the force sensor says [N].
+  /// Reading of the force sensor [N].
   double force() const { return world_.member(0).tension; }
   /// Torques of its drives [N m], [N] for the next cycle.
   void write(int arm, const veridyn::VectorXd& tau) { tau_[arm] = tau; }
-  /// One cycle. @throws InvalidInput  the simulation cannot go on.
+  /// One cycle. @throws InvalidInput  the simulation cannot continue.
   void step() {
     veridyn::require(world_.step(tau_, kCycle) == veridyn::StepStatus::kOk, "the simulated arms cannot go on");
   }

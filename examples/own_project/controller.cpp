@@ -12,10 +12,10 @@ int main(int argc, char** argv) {
   }
   try {
     veridyn::JointControllerOptions options{400, 40};  // K_p [1/s^2], K_d [1/s]
-    options.cycle.torque = 40;                          // [N m], [N] where the MODEL says nothing
+    options.cycle.torque = 40;                          // [N m], [N] where the MODEL gives no limit
     const veridyn::Model arm = veridyn::read_model(argv[1]);
     veridyn::JointController controller(arm, options);
-    veridyn::Measured measured(arm.joints());  // positions as the encoders show them
+    veridyn::Measured measured(arm.joints());  // positions as measured by the encoders
     const veridyn::JointReference wanted(arm.joints());
     std::cout << controller.update(measured, wanted, 1e-3).transpose() << "\n";
   } catch (const veridyn::InvalidInput& bad) {

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kGiveWayDamping = 5.0;  // [1/s]
 
-// Cycles between two evaluations of TorqueUncertainty, whose cost grows with the model's covariance;
-// within them the motion hardly changes.
+// Cycles between two evaluations of TorqueUncertainty, whose cost grows with the model's covariance; the
+// motion hardly changes in between.
 constexpr int kLimitEvery = 16;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -33,7 +33,7 @@ SafetyLimits limits_of(const Model& arm, const CycleOptions& options) {
   return safety_limits(arm, torque);
 }
 
-// An observer that is off has a bandwidth that it accepts and a limit of zero.
+// A disabled observer has a valid bandwidth and a limit of zero.
 ModelErrorOptions observer_of(const Model& arm, const CycleOptions& options) {
   ModelErrorOptions out;
   out.limit = VectorXd::Zero(arm.joints());
@@ -115,7 +115,7 @@ void ControlCycle::add_model_error(const VectorXd& y) noexcept {
   y_ = y;
   if (!observes_) return;
   if (uncertainty_ && until_limit_-- == 0) {
-    error_.set_limit(uncertainty_->update(state_, y_));  // refused where it is not finite
+    error_.set_limit(uncertainty_->update(state_, y_));  // refuses limits that are not finite
     until_limit_ = kLimitEvery - 1;
   }
   tau_ += error_.update(state_, y_, dt_);
@@ -147,7 +147,7 @@ const VectorXd& ControlCycle::send() noexcept {
     }
   }
   error_.sent(tau_, sent_);
-  // Where the law's torque was not sent, its acceleration was not produced.
+  // If the torque of the law was not sent, the arm did not have its acceleration.
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
     if (sent_[i] != tau_[i]) y_[i] = 0.0;
   }
@@ -185,7 +185,7 @@ void ControlCycle::reset_observers() noexcept {
   y_.setZero();
   until_limit_ = 0;
   if (!safety_ || off_) return;
-  safety_->disable();  // a fault remains
+  safety_->disable();  // a fault persists
   safety_->enable();
   safety_->activate();
 }

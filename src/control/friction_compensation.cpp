@@ -132,8 +132,8 @@ double FrictionCompensation::velocity_force(const Axis& axis, double v, double v
   return sliding(axis, error < 0.0 ? -1.0 : 1.0, 0.0);
 }
 
-// Terms with memory by their state; the others sliding at `speed` in the direction of `will`,
-// scaled by its magnitude, -1 to 1.
+// Terms with memory by their state; other terms as if sliding at `speed` in the direction of `will`, scaled
+// by its magnitude (-1 to 1).
 double FrictionCompensation::memory_force(Axis& axis, double will, double speed, double v) noexcept {
   const double direction = will < 0.0 ? -1.0 : 1.0;
   AxisSample x;

@@ -53,7 +53,7 @@ double InverseKinematics::measure(const Eigen::Vector3d& position, const Eigen::
   return std::hypot(position_error_ / inverse_.length(), angle_error_);
 }
 
-// Computes the step from q, with those joints held that would leave their range.
+// Computes the step from q; joints that would leave their range stay where they are.
 void InverseKinematics::step(const Vector6d& e, const VectorXd& q) noexcept {
   inverse_.release();
   for (Eigen::Index round = 0; round <= q.size(); ++round) {

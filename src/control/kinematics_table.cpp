@@ -19,7 +19,8 @@ constexpr double kSingular = 1e-9;  // relative to the largest singular value
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
 constexpr Eigen::Index kMostJoints = 12;  // one prime number for each in Halton's sequence
 constexpr int kStarts = 60;
-// Poses are printed with six decimals; arms with fewer than six joints reach none of those exactly.
+// Poses are printed with six decimals. Arms with fewer than six joints cannot reach such a rounded pose
+// exactly.
 constexpr double kPrintedPosition = 2e-6;  // [m]
 constexpr double kPrintedAngle = 5e-6;     // [rad]
 constexpr double kOnLimit = 2e-6;          // [rad], [m] by which rounded joints may exceed a limit
@@ -31,7 +32,7 @@ Conditioning conditioning(const MatrixXd& J) {
   const VectorXd s = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   Conditioning out;
   out.smallest = J.rows() <= J.cols() ? s.minCoeff() : 0.0;
-  // With fewer joints than rows, the conditioning of the reachable directions.
+  // With fewer joints than rows, only the reachable directions count.
   const double least = s.minCoeff();
   out.condition = least > kSingular * s.maxCoeff() ? s.maxCoeff() / least
                                                    : std::numeric_limits<double>::infinity();
@@ -91,7 +92,7 @@ double halton(int index, int base) {
   return out;
 }
 
-// Joints number `index` of a sequence that fills the ranges evenly.
+// Point `index` of a sequence of joint positions that fills the ranges evenly.
 VectorXd spread(const MotionLimits& limits, int index) {
   VectorXd q(limits.lower.size());
   for (Eigen::Index i = 0; i < q.size(); ++i)
@@ -99,8 +100,8 @@ VectorXd spread(const MotionLimits& limits, int index) {
   return q;
 }
 
-// Tries Newton steps from the present joints, from the start, then from the whole ranges: the steps
-// may end at joint limits and at singularities between postures.
+// Tries Newton steps from the present joints, from the start, then from points of the whole ranges: steps may
+// end at joint limits, and at singularities between postures.
 bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const MotionLimits& limits,
            const VectorXd& start, VectorXd& q) {
   VectorXd trial = q;

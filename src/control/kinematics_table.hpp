@@ -38,8 +38,8 @@ struct KinematicTable {
   bool has_time = false, has_orientation = true;
   std::vector<KinematicRow> rows;
   int unreached() const;
-  /// Joints outside their limits in any row, with the first such value and the limits; empty if
-  /// none is.
+  /// The joints that are outside of their limits in some row, each with the first such value and its limits;
+  /// empty if there are none.
   std::string outside_words() const;
   std::string report() const;
 };
@@ -59,8 +59,9 @@ struct InverseTask {
   VectorXd start;               ///< (n); empty: the middle of the joints' ranges
 };
 
-/// Joints for given poses, each starting from the previous solution; by Newton steps on any arm, or
-/// by a solver of the caller's, such as a closed form. @throws InvalidInput  as above.
+/// Joints for given poses, each starting from the previous solution; by Newton steps on any arm, or by a
+/// solver of the caller, such as a closed form.
+/// @throws InvalidInput  as above.
 KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
                                   const InverseTask& task, const InverseSolver& solver = {});
 

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// Relative difference between asked and sent torque that counts as rounding.
+// Relative difference between requested and sent torque that counts as rounding.
 constexpr double kSentShare = 1e-9;
 
 }  // namespace

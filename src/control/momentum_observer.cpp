@@ -20,8 +20,7 @@ FrictionOptions whole_friction() {
   return options;
 }
 
-// For each coordinate the first frame with a body that it moves, or the number of frames if there
-// is none.
+// For each coordinate the first frame with a body that it moves; the number of frames if there is none.
 std::vector<int> first_frames(const Model& arm) {
   std::vector<int> first(arm.joints(), static_cast<int>(arm.frames().size()));
   for (int i = 0; i < arm.joints(); ++i) {
@@ -96,7 +95,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
     return r_;
   }
   dynamics_.lagrangian_gradient(arm.q(), arm.dq(), gradient_);
-  // The contribution of effects to the bias is its difference from C dq + g.
+  // Effects contribute to the bias the part of it that is not C dq + g.
   sum_ += dt * (tau_motor - friction - (arm.bias() - arm.rigid_bias()) + gradient_ - r_);
   r_ = options_.bandwidth * (sum_ - p_ + p_start_);
   inverse_.update(arm.tip().jacobian());

@@ -52,7 +52,7 @@ bool QuinticInterpolator::stop(double duration) noexcept {
 void QuinticInterpolator::advance(double dt) noexcept {
   if (!(dt >= 0.0) || arrived()) return;
   time_ += dt;
-  // Cycles that add up to the duration except for rounding arrive in the last of them.
+  // The duration ends in the cycle whose times sum up to it, except for rounding.
   if (time_ >= duration_ * (1.0 - 1e-9)) {
     time_ = duration_;
     x_ = goal_;

@@ -48,8 +48,8 @@ TaskInverse::TaskInverse(const Model& arm, const Tip& tip, TaskRows rows,
 
 namespace {
 
-// Factors A - shift 1 = L L' with 1 / L_kk on the diagonal; the part above it is not touched. False
-// where that is not positive definite: where an eigenvalue of A is not above the shift.
+// Factors A - shift 1 = L L' with 1 / L_kk on the diagonal; the part above it is not changed. False if the
+// matrix is not positive definite, that is, if an eigenvalue of A is not above the shift.
 template <int kRows>
 bool cholesky(const Eigen::Matrix<double, kRows, kRows>& A, double shift,
               Eigen::Matrix<double, 6, 6>& L) {
@@ -69,8 +69,8 @@ bool cholesky(const Eigen::Matrix<double, kRows, kRows>& A, double shift,
 
 }  // namespace
 
-// No direction is damped where all singular values are above the threshold, and then the
-// eigenvectors, which cost ten times a Cholesky factor, are not needed.
+// If all singular values are above the threshold, no direction is damped, and the eigenvectors, which cost
+// ten times a Cholesky factor, are not needed.
 template <int kRows>
 void TaskInverse::factor() noexcept {
   Eigen::Matrix<double, kRows, kRows> square;
@@ -90,7 +90,7 @@ void TaskInverse::factor() noexcept {
 double TaskInverse::smallest_singular_value() const noexcept {
   Eigen::Matrix<double, 6, 6> square = Eigen::Matrix<double, 6, 6>::Zero();
   square.topLeftCorner(rows_, rows_).noalias() = J_.lazyProduct(J_.transpose());
-  // Rows that the task does not have must not be the smallest.
+  // Unused rows of the task must not be the smallest ones.
   for (int r = rows_; r < 6; ++r) square(r, r) = square.trace();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(square, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(solver.eigenvalues()[0], 0.0));

@@ -24,7 +24,7 @@ int tip_frame(const Model& arm, const Tip& tip) {
 }  // namespace
 
 std::string default_tip(const Model& arm) {
-  std::vector<int> joints;  // above each frame, its own included
+  std::vector<int> joints;  // joints that move each frame, its own included
   int best = -1;
   for (const Frame& frame : arm.frames()) {
     const int above = frame.parent ? joints[frame.parent->value] : 0;

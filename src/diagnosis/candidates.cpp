@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSameDirection = 1e-9;  // 1 - cosine of axes that are one
+constexpr double kSameDirection = 1e-9;  // 1 - cosine, below which two axes are the same
 
 bool is_plain(const Axis& axis) {
   return (axis.coefficients.array() != 0.0).count() == 1;
@@ -20,8 +20,8 @@ bool are_parallel(const VectorXd& a, const VectorXd& b) {
   return std::abs(a.normalized().dot(b.normalized())) > 1.0 - kSameDirection;
 }
 
-// Every coordinate, every other axis on which the model has friction already, and the joint variables
-// that are mixtures of coordinates.
+// Axes to test: every coordinate, every other axis with friction in the model, and every joint variable that
+// is a mixture of coordinates.
 std::vector<Axis> axes_of(const Model& arm) {
   std::vector<Axis> out;
   const auto add = [&out](const Axis& axis) {
@@ -111,8 +111,9 @@ class Enumeration {
     }
   }
 
-  // An effect of the arm may have changed, or have another constant than in its file. A second one
-  // beside it is a cause if there can be several (memories), or if the first one is a fact.
+  // Adds the effect, and the change of an effect that the arm has already (or another constant of it). A
+  // second effect of one kind is a cause if several can act together (memories), or if the values of the
+  // first are facts.
   void add(const AxisEffect& effect, const Axis& axis, JointIndex joint) {
     const EffectTraits traits = effect.traits();
     if (!is_wanted(effect.name()) || (!is_plain(axis) && !traits.mixed_axes)) return;

@@ -18,10 +18,10 @@ struct TermIndex {
 struct Candidate {
   Cause cause;
   std::optional<JointIndex> joint;  ///< acting_joint(); nothing: the whole arm
-  Axis axis;                        ///< of an effect; zero where it is of the whole arm, and of a load
+  Axis axis;                        ///< axis of an effect; zero for an effect of the whole arm and for a load
   std::optional<JointIndex> from;   ///< second coordinate of a coupling
-  /// The arm's own effect that has changed, or has another constant than in its file. The latter is
-  /// no cause: if accepted, it becomes a remark and no finding.
+  /// Index of the arm's own effect, if the candidate is a change of it. Where only a constant differs from
+  /// the file, an accepted candidate becomes a remark and no finding.
   std::optional<TermIndex> own = {};
 };
 
@@ -33,10 +33,10 @@ bool is_channel(const Candidate& c);  ///< the error of a sensor, or of the arm 
 /// Selection of candidates.
 struct Scope {
   std::vector<std::string> wanted;  ///< names; empty: all that are tested by default
-  /// The arm's values are facts: its own effects may have changed, and a load may sit on every link.
+  /// True if the arm's values are facts: its own effects may have changed, and any link may carry a load.
   bool changes = false;
-  /// For every joint true if it is always at rest; empty: none is. Friction at rest is
-  /// undetermined, so that the torque of such a joint has no information.
+  /// True for every joint that is always at rest; empty if none is. The torque of such a joint carries no
+  /// information, because friction at rest is undetermined.
   std::vector<bool> still;
 };
 
@@ -48,10 +48,10 @@ std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
 /// sensor errors that begin suddenly, a load on these frames.
 std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads);
 
-/// Friction along an axis.
+/// True for friction along an axis.
 bool is_friction(const std::string& effect);
 
-/// Frames on which a payload would make a difference: the last frame of every link that moves.
+/// Frames on which a payload can be told apart from others: the last frame of every link that moves.
 std::vector<FrameIndex> payload_frames(const Model& arm);
 
 /// True if the two frames are fixed to one link.

@@ -23,7 +23,7 @@ std::string percents(const VectorXd& v) {
   return out;
 }
 
-// Columns of one width, as the longest name of a joint needs it.
+// Width of a column that holds the longest name of a joint.
 size_t table_width(const Model& arm) {
   size_t width = numerics::kNumberWidth;
   for (const Coordinate& c : arm.coordinates()) width = std::max(width, c.name.size() + 2);
@@ -40,7 +40,7 @@ const char* state_words(const JointVerdict& v) {
   return "";
 }
 
-// "3 %", and never "0 %" of something.
+// "3 %"; a share above zero is never printed as "0 %".
 std::string share_text(double share) {
   const double percent = kPercent * std::abs(share);
   return percent < 0.5 ? "less than 1 %" : fmt::format("{:.0f} %", percent);
@@ -69,7 +69,7 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
   const char* of = std::holds_alternative<ChangedEffect>(f.cause) ? "change of " : "";
   const bool of_moment = std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) { return p.name == "moment"; });
   for (const FoundParameter& p : f.parameters) {
-    if (of_moment && p.name == "mass" && p.low < 0.0 && p.high > 0.0) continue;  // the sentence says that it is not known
+    if (of_moment && p.name == "mass" && p.low < 0.0 && p.high > 0.0) continue;  // the sentence reports that the mass is unknown
     out += fmt::format("     {}{} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", of, p.name, p.value, p.unit,
                        p.low, p.high);
   }
@@ -87,8 +87,8 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
   return out;
 }
 
-// True if errors before and after successive findings are not contiguous: findings are listed by
-// size and were added in another order.
+// True if a finding does not begin with the error at which the one before it ends: findings are listed by
+// size, in another order than they were added.
 bool errors_jump(const Diagnosis& d) {
   const Finding* above = nullptr;
   for (const Finding& f : d.findings) {
@@ -103,7 +103,8 @@ std::string small_finding_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
-// "3 small ones, 0.1 to 0.4 points each: --all-findings lists them", by the largest fall of a joint's held-out error.
+// "3 small ones, 0.1 to 0.4 points each: --all-findings lists them". Points are the largest decrease of a
+// joint's held-out error.
 std::string small_findings_line(const Diagnosis& d, size_t count) {
   double least = numerics::kHuge, most = 0.0;
   for (const Finding& f : d.findings) {
@@ -117,8 +118,8 @@ std::string small_findings_line(const Diagnosis& d, size_t count) {
                      count == 1 ? "it" : "them");
 }
 
-// Splits a joint's error into floor and removable part, 12.3 % = 4.1 % floor + 8.2 %, and says how
-// much of the latter the findings explain.
+// Splits a joint's error into noise floor and removable part, 12.3 % = 4.1 % floor + 8.2 %, with the share of
+// the latter that the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
   const auto& joints = d.baseline.model->coordinates();
   if (!std::isfinite(v.held_out))
@@ -159,7 +160,7 @@ std::string worsening_text(const Diagnosis& d, int joint) {
                      kPercent * d.extended.test_error.relative[i]);
 }
 
-// Table of friction that was added to the file: one line per joint.
+// Table of the friction that was added to the arm: one line for each joint.
 std::string friction_table(const Diagnosis& d) {
   std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
   std::optional<JointIndex> joint;
@@ -207,7 +208,7 @@ bool Diagnosis::has_answer() const {
 }
 
 std::string Diagnosis::verdict() const {
-  std::string wrong;  // contradictions between recordings and robot file come first
+  std::string wrong;  // contradictions between recordings and robot file, which are printed first
   for (const RecordingQuality& q : data_quality) {
     for (const QualityFinding& f : q.findings) {
       if (is_contradiction(f) && wrong.find(f.sentence) == std::string::npos) wrong += f.sentence + " ";
@@ -271,14 +272,14 @@ std::string Diagnosis::report(const std::string& next_command) const {
   }
   for (const auto* list : {&baseline.train, &baseline.test}) {
     for (const RecordingError& r : *list) {
-      if (r.filled.count > r.rows / 1000)  // fewer are not worth a line
+      if (r.filled.count > r.rows / 1000)  // fewer rows are not mentioned
         out += fmt::format("recording {}: {}\n", r.source, filled_text(r.filled, r.rows));
     }
   }
   if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
   for (const std::vector<int>& group : moving_as_one) {
-    if (!has_answer()) break;  // the verdict says it
+    if (!has_answer()) break;  // the verdict states the reason
     out += "joints " + numbers_from_one(group) +
            " move as one in all training recordings: what depends on one of them cannot be told from "
            "the others\n";
@@ -338,7 +339,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
     out += "next experiment, to show " + next_experiment.shows;
     out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
   }
-  // One line for an effect in several places.
+  // Effects that were found in several places share one line.
   for (size_t k = 0; k < cannot_tell.size();) {
     const CannotTell& first = cannot_tell[k];
     std::vector<std::string> places;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kDiagnosis = 0.5;  // share of the work, for progress
 
-// Splits the joints into those that travel in any recording and those that are held at a position.
+// Joints that travel in some recording, and joints that are held at a position.
 struct Travel {
   std::vector<int> moving;
   std::map<std::string, double> held;
@@ -67,7 +67,7 @@ MatrixXd torque_of(const Model& arm, const Recording& r) {
   return tau;
 }
 
-// Frees friction and offsets for identification; bodies of an identified model stay fixed.
+// The arm with friction and offsets to identify; bodies of an identified model stay fixed.
 Model with_open_friction(const Model& arm) {
   ModelDescription d = arm.description();
   d.identified.reset();
@@ -101,7 +101,7 @@ std::vector<Ramp> ramps_of(const Model& arm, const Recording& r, const MatrixXd&
   return find_ramps(c, r.time, q, effort, ramp_thresholds(c));
 }
 
-// True if a joint breaks away and no joint slides at half of the rows.
+// True if some joint breaks away while no joint slides in half of the rows or more.
 bool is_of_ramps(const Model& arm, const Recording& r) {
   const MatrixXd tau = torque_of(arm, r);
   bool ramps = false;
@@ -127,7 +127,8 @@ VectorXd torque_at_rest(const Model& arm, const VectorXd& q) {
   return tau;
 }
 
-// Direction of the displacement: at its onset, a mean over a tenth of a second, a joint may still be at rest.
+// Direction of the displacement: its mean over a tenth of a second, since the joint may still be at rest at
+// its onset.
 int direction_of(const VectorXd& q, const Ramp& ramp, double way) {
   Eigen::Index k = ramp.onset;
   while (k + 1 < ramp.end && std::abs(q[k] - q[ramp.rest]) <= way) ++k;
@@ -149,7 +150,7 @@ void add_breakaways(const Model& arm, const Recording& r, int joint,
   }
 }
 
-// Averages friction over the segments of nearly constant speed; those of like speed are pooled.
+// Mean friction of the segments of nearly constant speed; segments of similar speed are merged.
 std::vector<FrictionAtSpeed> speeds_of(const Identification& id, const FrictionCurve& curve) {
   struct Run {
     FrictionAtSpeed mean;

@@ -14,7 +14,7 @@ using namespace loads;
 using Row10 = Eigen::Matrix<double, kBodyParameters, 1>;
 using Slopes = Eigen::Matrix<double, kBodyParameters, 4>;
 
-// Parameters of a unit mass at c.
+// Inertial parameters of a unit mass at c.
 Row10 unit_mass(const Eigen::Vector3d& c) {
   Row10 p;
   p << 1.0, c, c.y() * c.y() + c.z() * c.z(), -c.x() * c.y(), c.x() * c.x() + c.z() * c.z(), -c.x() * c.z(),
@@ -39,7 +39,7 @@ Slopes slopes(double mass, const Eigen::Vector3d& c) {
   return J;
 }
 
-// Weighted sums of the load's columns and of those beside it.
+// Weighted sums of the load's columns, and of the columns fitted together with it.
 struct Weighted {
   MatrixXd A;
   VectorXd b;
@@ -167,7 +167,7 @@ PlacedMass MassCost::with_mass(double mass, const PlacedMass& near) const {
 }
 
 std::pair<double, double> MassCost::masses_below(double cost, const PlacedMass& best) const {
-  const auto end = [&](double from, double to, PlacedMass near) {  // `from` is below, `to` is not
+  const auto end = [&](double from, double to, PlacedMass near) {  // `from` satisfies the bound, `to` does not
     for (int k = 0; k < kBisections; ++k) {
       const double middle = 0.5 * (from + to);
       const PlacedMass there = with_mass(middle, near);
@@ -180,7 +180,7 @@ std::pair<double, double> MassCost::masses_below(double cost, const PlacedMass& 
     }
     return from;
   };
-  // Searches from a mass away from zero.
+  // Extends the interval from a mass away from zero.
   const auto outwards = [&](double mass, PlacedMass near) {
     while (std::abs(mass) < kHeaviestLoad) {
       const double next = std::clamp(kGrowth * mass, -kHeaviestLoad, kHeaviestLoad);
@@ -204,7 +204,7 @@ std::pair<double, double> MassCost::masses_below(double cost, const PlacedMass& 
     inner = next;
     near = there;
   }
-  // Zero is among them: perhaps so are masses of the other sign.
+  // Zero satisfies the bound, so that masses of the other sign may satisfy it too.
   const double across = -kNearZero * best.mass;
   const PlacedMass there = with_mass(across, {-near.mass, near.com, 0.0});
   inner = there.cost > cost ? 0.0 : outwards(across, there);
@@ -231,7 +231,7 @@ bool MassCost::at_bound(const PlacedMass& at) const {
 
 Eigen::Matrix<double, 6, 1> MassCost::extent(const PlacedMass& at) const {
   MatrixXd A = A_.bottomRightCorner(6, 6);
-  A.diagonal() *= 1.0 + kUntoldRidge;  // undetermined directions are zero
+  A.diagonal() *= 1.0 + kUndeterminedRidge;  // makes undetermined directions zero
   return solve_scaled(A, VectorXd((b_ - A_ * at.phi()).tail(6)));
 }
 

@@ -11,7 +11,7 @@
 
 namespace veridyn {
 
-/// Sums of squares of one set of rows of a joint, over columns A and right side b.
+/// Sums of squares over a set of rows of one joint, with columns A and right side b.
 struct RowSquares {
   MatrixXd AA;
   VectorXd Ab;
@@ -21,7 +21,8 @@ struct RowSquares {
   RowSquares& operator+=(const RowSquares& other);
 };
 
-/// Squares of every joint over the same columns, in clusters of rows (phases of a motion, parts of poses).
+/// Sums of squares of every joint over the same columns, for each cluster of rows (phases of a motion, parts
+/// of the poses).
 class LoadRows {
  public:
   LoadRows(const std::vector<CompressedRecording>& recordings, const std::vector<std::string>& columns, int joints);
@@ -45,9 +46,12 @@ struct PlacedMass {
   InertialParameters phi() const;
 };
 
-/// phi' A phi - 2 b' phi + com' com / reach^2 over the parameters of a load: the change of the weighted
-/// squares with the other columns fitted beside it. Weights are in units of independent samples, so that the
-/// last term is a prior on the distance of a load from its frame; undetermined directions stay at zero.
+/// Change of the weighted squares by a load with parameters phi,
+///
+///   phi' A phi - 2 b' phi + com' com / reach^2,
+///
+/// with all other columns fitted at the same time. Weights count independent samples, so that the last term
+/// is a prior on the distance between load and frame; undetermined directions stay at zero.
 class MassCost {
  public:
   MassCost(MatrixXd A, VectorXd b, double reach) : A_(std::move(A)), b_(std::move(b)), reach_(reach) {}
@@ -55,23 +59,24 @@ class MassCost {
   const MatrixXd& A() const { return A_; }
   const VectorXd& b() const { return b_; }
 
-  /// The best of descents from many places, or next to `near`. The centre stays within the reach along each axis.
+  /// The best result of descents from many starting points, or of one from `near`. The centre stays within
+  /// the reach along each axis.
   PlacedMass fit() const;
   PlacedMass fit(const PlacedMass& near) const;
 
-  /// The best centre for a given mass.
+  /// The best centre for this mass.
   PlacedMass with_mass(double mass, const PlacedMass& near) const;
 
-  /// Masses for which the cost stays below `cost`, around those of the best load; as far as kHeaviestLoad.
+  /// Masses on either side of the best load for which the cost stays below `cost`, up to kHeaviestLoad.
   std::pair<double, double> masses_below(double cost, const PlacedMass& best) const;
 
   /// Covariance of mass and centre.
   Eigen::Matrix4d covariance(const PlacedMass& at) const;
-  /// True for each axis along which torques determine the place better than the reach does.
+  /// True for each axis along which the torques determine the centre more closely than the reach does.
   std::array<bool, 3> seen(const PlacedMass& at) const;
   bool at_bound(const PlacedMass& at) const;
 
-  /// Inertia about the centre beyond the point mass; least squares.
+  /// Inertia about the centre that a point mass does not have, by least squares.
   Eigen::Matrix<double, 6, 1> extent(const PlacedMass& at) const;
 
  private:
@@ -83,8 +88,9 @@ class MassCost {
   double reach_;
 };
 
-/// The cost of the load of ten columns from `first` on, other columns of the set fitted beside it.
-/// @param rows  [joint]; weights (n).
+/// Cost of the load with ten columns from `first` on, with the other columns of the set fitted at the same
+/// time.
+/// @param rows  one entry for each joint; weights (n).
 MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                    int first, const std::vector<int>& beside, double reach);
 
@@ -92,11 +98,11 @@ MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSqu
 VectorXd fitted_beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                      int first, const std::vector<int>& beside, const InertialParameters& phi);
 
-/// Squared residual per joint of a load and these other columns.
+/// Squared residual of every joint with a load and these other columns.
 VectorXd residual_squares(const std::vector<RowSquares>& rows, int first, const InertialParameters& phi,
                       const std::vector<int>& beside, const VectorXd& values);
 
-/// Solves A x = b for A >= 0 whose columns may be zero or equal.
+/// Solves A x = b for A >= 0, where columns may be zero or equal.
 MatrixXd solve_scaled(const MatrixXd& A, const MatrixXd& b);
 
 }  // namespace veridyn

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// The identified arm with its parameters free again; a maker's values are those of the file.
+// The identified arm with free parameters; the manufacturer's values are those of the robot file.
 Model with_free_parameters(const Model& identified) {
   ModelDescription d = identified.description();
   d.identified.reset();
@@ -44,7 +44,7 @@ Diagnosis diagnose(const Identification& fit, const Recordings& test, const Diag
   how.identification.preprocessing = fit.preprocessing;
   how.identification.preprocessing.interrupted = options.identification.preprocessing.interrupted;
   how.identification.test_preprocessing = fit.test_preprocessing;
-  how.identification.friction = JointFriction::kFile;  // the fit added what is needed
+  how.identification.friction = JointFriction::kFile;  // the fit has added it already
   return diagnose(with_free_parameters(*fit.model), train, test, how, &fit);
 }
 

@@ -30,7 +30,7 @@ namespace {
 
 using namespace loads;
 
-// The last frame of every link that moves; or of the one that carries a frame, named after that frame.
+// The last frame of every link that moves; or only that of the link with the given frame, under its name.
 std::vector<int> places_of(const Model& arm, const std::string& link) {
   if (!link.empty()) {
     std::vector<std::string> names;
@@ -50,8 +50,8 @@ std::vector<int> places_of(const Model& arm, const std::string& link) {
   return out;
 }
 
-// Effects without values, such as friction of a CAD model, get them from these recordings; bodies and
-// effects that have values keep them.
+// Fits effects without values, such as friction of a CAD model, to these recordings; existing values of
+// bodies and effects are kept.
 Model with_fitted_effects(const Model& cad, const std::vector<std::string>& recordings,
                           const IdentificationOptions& options) {
   ModelDescription d = cad.description();
@@ -80,18 +80,18 @@ Model with_load(const Model& arm, const PayloadEstimate& load) {
   return Model(std::move(d));
 }
 
-// The arm with the effect values that were fitted together with a load.
+// The arm with the effect values that were fitted at the same time as a load.
 Model with_effects_of(const Model& arm, const Model& fitted) {
   ModelDescription d = arm.description();
   d.effects = fitted.effects();
   return Model(std::move(d));
 }
 
-// An arm with fixed values, with a load in every place and the effects that may have changed.
+// An arm with fixed values, with a load in every place and all effects that may have changed.
 struct Asked {
   Model arm;
-  std::vector<std::string> columns;  // ten of each place, then the friction of joints
-  // Columns of a joint: offset, Coulomb and viscous friction.
+  std::vector<std::string> columns;  // ten columns of each place, then the friction of the joints
+  // Indices of a joint's columns of offset, Coulomb and viscous friction.
   std::vector<std::vector<int>> friction;
 };
 
@@ -112,7 +112,7 @@ Asked arm_with_unknown_loads(const Model& model, const std::vector<int>& places)
       EffectTerm term;
       term.effect = effect;
       term.axis = {VectorXd::Unit(model.joints(), i), 0.0};
-      // A change of an effect of the model keeps the effect's smoothness.
+      // The change of an effect has the same smoothness as the effect itself.
       for (const EffectTerm& own : model.effects())
         if (own.effect == effect && own.axis.coefficients == term.axis.coefficients) term.values = own.values;
       for (const EffectParameter& p : find_effect(effect).parameters()) term.values.erase(p.name);
@@ -131,10 +131,10 @@ Asked arm_with_unknown_loads(const Model& model, const std::vector<int>& places)
   return out;
 }
 
-// The fit of one load beside friction.
+// Fits one load together with changes of friction.
 class LoadFit {
  public:
-  // @param sample  rows for each independent one. @param band  (n) of dry friction of unknown direction.
+  // @param sample  rows for one independent sample. @param band  (n) of dry friction of unknown direction.
   LoadFit(const Model& model, const LoadRows& rows, const Asked& asked, int place, int first, double sample, VectorXd band)
       : model_(model), rows_(rows), place_(place), first_(first), reach_(model.description().box.com_reach) {
     if (!(reach_ > 0.0)) reach_ = kReach;
@@ -186,13 +186,13 @@ class LoadFit {
     return load_cost(rows_.total(), without, weights_, first_, beside, reach_);
   }
 
-  // Residual squares on `rows` of a load and of the friction fitted with it to all rows but `without`.
+  // Squared residuals on `rows` of a load, with the friction that was fitted to all rows but `without`.
   VectorXd remaining_squares(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const InertialParameters& phi) const {
     const VectorXd beside = fitted_beside_load(rows_.total(), without, weights_, first_, sets_.back(), phi);
     return residual_squares(rows, first_, phi, sets_.back(), beside);
   }
 
-  // 1 / variance of each joint's rows, per independent sample.
+  // Weight of each joint's rows: 1 / variance of an independent sample.
   VectorXd weights(double sample, const VectorXd& band) const {
     std::vector<int> all = sets_.back();
     for (int c = 0; c < kBodyParameters; ++c) all.push_back(first_ + c);
@@ -216,7 +216,7 @@ class LoadFit {
     };
     const Numbers centre = numbers(whole, best);
     out.inertia = centre.tail<6>();
-    // Scatter between phases (jackknife), and between the alternative changes beside the load.
+    // Scatter between phases (jackknife), and between the alternative sets of friction changes.
     const int clusters = rows_.clusters();
     Numbers sum = Numbers::Zero(), squares = Numbers::Zero();
     for (int k = 0; k < clusters; ++k) {
@@ -237,7 +237,8 @@ class LoadFit {
     variance.head<4>() = variance.head<4>().cwiseMax(least.diagonal());
     const double t = student_t_quantile(kOutside, std::max(1, clusters - 1));
     const Numbers half = (t * t * variance + drift.cwiseAbs2()).cwiseSqrt();
-    // Mass and lever exchange: the interval follows the valley, at the height that its width at the bottom gives.
+    // Mass and lever can compensate each other: the interval follows the valley of the cost, up to the height
+    // that corresponds to its width at the minimum.
     const double height = half[0] * half[0] / std::max(least(0, 0), numerics::kTiny);
     std::tie(out.mass_low, out.mass_high) = whole.masses_below(best.cost + height, best);
     out.mass_low = std::min(out.mass_low, out.mass - half[0] < 0.0 && out.mass > 0.0 ? 0.0 : out.mass_low);
@@ -251,8 +252,7 @@ class LoadFit {
     }
   }
 
-  // Fall of the error on rows that the load was not fitted to, beside changes of friction that were fitted to the
-  // same others.
+  // Decrease of the error on rows to which neither the load nor the changes of friction were fitted.
   void held_out(const PlacedMass& best, PayloadEstimate& out) const {
     const InertialParameters none = InertialParameters::Zero();
     VectorXd with = VectorXd::Zero(model_.joints()), before = with;
@@ -269,7 +269,7 @@ class LoadFit {
   const LoadRows& rows_;
   int place_, first_;
   double reach_;
-  std::vector<std::vector<int>> sets_;  // growing; the first is empty
+  std::vector<std::vector<int>> sets_;  // sets of increasing size; the first is empty
   VectorXd weights_;
 };
 
@@ -285,8 +285,8 @@ bool same_torques(const LoadRows& rows, int a, int b) {
   return ((BB.diagonal() - spanned).array() <= kSameSpan * BB.diagonal().array() + numerics::kTiny).all();
 }
 
-// Best first; of links whose gains are a tie, as in a diagnosis, the outermost comes first: what
-// is on the axis of a joint may be carried by either of the links that it connects.
+// Sorts the links by gain. Where gains tie, as in a diagnosis, the outermost link comes first, because a load
+// on a joint's axis may be carried by either of the links that the joint connects.
 void sort_by_gain(const Model& model, double tie, std::vector<PayloadEstimate>& links) {
   std::stable_sort(links.begin(), links.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
   if (links.empty()) return;
@@ -298,7 +298,7 @@ void sort_by_gain(const Model& model, double tie, std::vector<PayloadEstimate>& 
   if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
 }
 
-// Joints that the load acts on and that it leaves unexplained.
+// Joints on which the load acts and whose error it does not explain.
 std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& load, const VectorXd& before, const VectorXd& floor) {
   std::vector<std::string> out;
   const auto& own = model.description().identified;
@@ -313,7 +313,7 @@ std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& 
   return out;
 }
 
-// [kg] of the bodies of one link: of the prior if there is one, since torques alone determine no masses.
+// Mass of the bodies of one link [kg]: of the prior if there is one, since torques alone determine no masses.
 double mass_on(const Model& model, const std::string& frame) {
   const std::optional<FrameIndex> own = moving_frame(model, FrameIndex{model.find_frame(frame)});
   double drawn = 0.0, valued = 0.0;
@@ -332,7 +332,7 @@ struct Question {
   const Thresholds& limits;
 };
 
-// Fits a load on every link to rows of the arm of arm_with_unknown_loads().
+// Fits a load on every link to the rows of the arm made by arm_with_unknown_loads().
 void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& places, const std::vector<CompressedRecording>& recordings,
                double sample, const VectorXd& band, const VectorXd& floor, PayloadReport& out) {
   const LoadRows rows(recordings, asked.columns, q.model.joints());
@@ -362,7 +362,7 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
   out.error_after = out.error_before.cwiseProduct(out.links.front().error_with_load);
 }
 
-// The report of an arm all of whose values are known.
+// The report for an arm whose values are all known.
 PayloadReport payload_report(const Question& q, const std::string& robot, const std::vector<std::string>& recordings,
                       IdentificationOptions options) {
   PayloadReport out;
@@ -390,7 +390,7 @@ PayloadReport payload_report(const Question& q, const std::string& robot, const 
   return out;
 }
 
-// Wrong values of the model could explain the torque of a load as well.
+// A torque that looks like a load may also come from wrong values of the model.
 void remark_on_values(const Model& model, PayloadReport& out) {
   if (model.description().values == RobotValues::kPrior && !model.description().identified)
     out.remarks.push_back("The values of '" + model.name() + "' are those of its drawing, not measured on this arm: what they lack "
@@ -412,7 +412,8 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
   if (has_all_values(given_model)) {
     out = payload_report({given_model, link, limits}, given_model.name(), recordings, named.how);
   } else {
-    // Fits friction and load in turns: friction fitted without the load absorbs a part of it.
+    // Alternates between friction and load, because friction that is fitted without the load absorbs a part
+    // of it.
     Model cad = with_fitted_effects(given_model, recordings, named.how);
     for (int turn = 0; turn < kTurns; ++turn) {
       out = payload_report({cad, link, limits}, given_model.name(), recordings, named.how);
@@ -449,7 +450,7 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
   }
   out.error_before = (left2.array() / torque2.array().max(numerics::kTiny)).sqrt();
   const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
-  // The friction band as a share of each joint's torque; a joint without gravity torque is not evaluated.
+  // The friction band as a share of each joint's torque; joints without a gravity torque are skipped.
   double poses = 0.0;
   for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
   VectorXd floor(model.joints());
@@ -476,7 +477,7 @@ namespace {
 
 bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
 
-// An interval of masses in words; none where the search ended at its bound.
+// Interval of the mass in words; empty if the search ended at its bound.
 std::string mass_interval_text(const PayloadEstimate& load) {
   if (std::max(-load.mass_low, load.mass_high) >= kAtEnd * kHeaviestLoad) return "-";
   if (load.mass_low == 0.0 && load.mass_high > 0.0) return fmt::format("below {:.4g}", load.mass_high);

@@ -29,8 +29,8 @@ struct ArmKernelLoops {
   static const Links& tree_of(const Links& tree) { return tree; }
   static const Links& tree_of(const InertialLinks& arm) { return arm.tree; }
 
-  // Flattened into one function each, as the batches below: otherwise the compiler leaves calls in
-  // the innermost loops (a third slower).
+  // Flattened into one function each, as the batches below: otherwise the compiler keeps calls in the
+  // innermost loops (a third slower).
   template <auto kAlgorithm, typename Result, typename Arm, typename... In>
   __attribute__((flatten)) static Result run(const Arm& arm, In... in) {
     return kAlgorithm(arm, lane(tree_of(arm), in)...);

@@ -7,7 +7,8 @@ namespace {
 
 ArmKernels widest_kernels() {
   const InstructionSet isa = widest_instruction_set();
-  // Each function call below is itself compiled for its instruction set, hence the check before it.
+  // Each of these functions is itself compiled for its instruction set, so that the processor is checked
+  // before the call.
   if (isa >= InstructionSet::kAvx512 && arm_kernels_avx512().lanes > 0) return arm_kernels_avx512();
   if (isa >= InstructionSet::kAvx2 && arm_kernels_avx2().lanes > 0) return arm_kernels_avx2();
   return arm_kernels_baseline();

@@ -29,7 +29,7 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
           {ddq.data(), ddq.outerStride()}};
 }
 
-// The links, with only those of their supporting coordinates that lie from `first` to `end`.
+// The links with only those supporting coordinates whose index is from `first` to `end`.
 std::vector<Link> moved_by(const Links& tree, int first, int end) {
   std::vector<Link> links(tree.link, tree.link + tree.count);
   for (Link& link : links) {

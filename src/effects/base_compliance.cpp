@@ -14,7 +14,7 @@ constexpr double kSmallTurn = 1e-4;       // [rad] step of the numerical derivat
 constexpr double kRelaxation = 0.005;
 constexpr const char* kTurns[] = {"base about x", "base about y"};
 
-/// The arm on a base that turns about x and then about y: two coordinates after the arm's own, with
+/// The arm on a base that turns about x and then about y: two coordinates follow those of the arm, with
 /// frames below all others.
 ModelDescription on_free_base(ModelDescription arm) {
   const auto n = static_cast<Eigen::Index>(arm.coordinates.size());
@@ -70,12 +70,12 @@ class BaseCompliance final : public ArmEffect {
  public:
   std::string name() const override { return "base_compliance"; }
   std::vector<EffectParameter> parameters() const override {
-    constexpr double kLargest = 0.01;  // [rad/(N m)] more than any table
+    constexpr double kLargest = 0.01;  // [rad/(N m)] more compliant than any table
     return {{"about_x", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest},
             {"about_y", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest}};
   }
 
-  // On five real recordings of a PSM it was found in all, and worsened the prediction of three.
+  // On five real recordings of a PSM it was found in all of them, and increased the held-out error of three.
   bool imitates_others() const override { return true; }
 
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {

@@ -19,8 +19,7 @@ bool same_place(const EffectTerm& a, const EffectTerm& b) {
   return !a.from || same(*a.from, *b.from);
 }
 
-// ", distance 0.005" if the arm has the effect on this axis with other constants as well; else
-// empty.
+// ", distance 0.005" if the arm also has the effect on this axis with other constants; else empty.
 std::string constants_text(const Model& arm, const EffectTerm& term,
                            const std::vector<EffectShape>& shapes) {
   const auto given = [](const EffectTerm& of, const std::string& key) {

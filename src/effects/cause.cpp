@@ -31,24 +31,23 @@ bool is_number(const std::string& word) {
 
 const char* const kZero = "zero";
 
-// The names of FrameNumber in files and messages, in its order; a ratio adds its joint.
+// Names of FrameNumber in files and messages, in its order; the name of a ratio also contains its joint.
 constexpr std::array<const char*, 11> kFrameNumbers = {"a", "alpha", "d",     "theta", "x",        "y",
                                                        "z", "roll",  "pitch", "yaw",   "ratio of "};
-constexpr int kOfRow = 4;  // the first ones are of a DH row
+constexpr int kOfRow = 4;  // the first four are those of a DH row
 
 const char* frame_number_word(FrameNumber number) {
   return kFrameNumbers[static_cast<int>(number)];
 }
 
-// The rest of `word` after "elbow.", if it begins so.
+// The rest of `word` after "elbow.", if it begins with it.
 std::optional<std::string> after(const std::string& owner, const std::string& word) {
   const std::string start = owner + ".";
   if (word.compare(0, start.size(), start) != 0) return std::nullopt;
   return word.substr(start.size());
 }
 
-// All numbers of a frame in the order of FrameNumber; of a row and of an origin, the one that the
-// frame has.
+// All numbers of a frame in the order of FrameNumber; either those of a DH row or those of an origin are set.
 using FrameNumbers = std::array<double, kFrameNumbers.size() - 1>;
 
 FrameNumbers numbers_of(const Frame& frame) {
@@ -67,7 +66,7 @@ double offset_of(const Frame& frame, const DhRow& row) {
 void place(Frame& frame, const FrameNumbers& v) {
   if (frame.dh) {
     DhRow row = *frame.dh;
-    frame.variable.offset -= offset_of(frame, row);  // place() adds the new one
+    frame.variable.offset -= offset_of(frame, row);  // place() adds the new offset
     std::tie(row.a, row.alpha, row.d, row.theta) = std::tie(v[0], v[1], v[2], v[3]);
     place(frame, row);
     return;

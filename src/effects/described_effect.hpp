@@ -9,16 +9,17 @@
 
 namespace veridyn {
 
-/// What an effect along an axis is, as data.
+/// Description of an effect along an axis, as data.
 struct AxisEffectData {
   const char* name;
   std::vector<EffectParameter> parameters;
   std::vector<EffectShape> shapes;
   EffectTraits traits;
   void (*columns)(const AxisSample& x, const ShapeValues& shape, EffectState& state, EffectColumns& row) noexcept;
-  /// Effect::phrase(), where each % is the next parameter, each # the next constant, and $ is "force" or "torque".
+  /// Text of Effect::phrase(), where each % is the next parameter, each # the next constant, and $ is "force"
+  /// or "torque".
   const char* phrase;
-  /// In place of `phrase`, for other words.
+  /// A function in place of `phrase`, for texts of another form.
   std::string (*words)(const Effect& effect, const std::vector<double>& values, const ShapeValues& shape, JointType type) = nullptr;
   bool imitates_others = false;
 };

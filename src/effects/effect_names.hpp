@@ -12,13 +12,13 @@ namespace veridyn {
 /// Every effect that a robot file or a command may name. The verdict `none` is not among them.
 const std::vector<std::string>& effect_names();
 
-/// Keys of an effect in a robot file that are not the names of its parameters.
+/// Keys of an effect in a robot file, except the names of its parameters.
 const std::vector<std::string>& effect_keys();
 
 /// True for effects of the whole arm, which need neither `axis` nor `frame`.
 bool may_lack_axis(const std::string& effect);
 
-/// True if `offset` is a parameter of the effect itself, in which case its axis cannot have one.
+/// True if `offset` is a parameter of the effect itself, so that its axis cannot have one.
 bool has_offset_parameter(const std::string& effect);
 
 /// The effect and the parameter that correspond to an attribute of a simulator's joint: "damping",

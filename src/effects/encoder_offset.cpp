@@ -22,7 +22,7 @@ class EncoderOffset final : public SensorError {
     EffectTraits t;
     t.role = EffectRole::kSensor;
     t.depends_on_position = true;
-    t.same_as_wrong_constant = true;  // namely of this joint's zero in the robot file
+    t.same_as_wrong_constant = true;  // the constant of this joint's zero in the robot file
     t.lasting = true;
     return t;
   }

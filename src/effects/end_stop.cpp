@@ -6,11 +6,11 @@
 
 namespace veridyn {
 
-/// A stop or a bumper at one end of the travel: a spring that acts beyond a place and nowhere else,
+/// A stop or a bumper at one end of the travel: a spring that acts beyond a position only,
 ///
 ///   tau = side * stiffness * max(0, side * (s - centre) - reach)
 ///
-/// with side = 1 at the upper end and -1 at the lower one; the place is centre + side * reach.
+/// with side = 1 at the upper end and -1 at the lower one; it begins at s = centre + side * reach.
 const Effect& end_stop() {
   EffectTraits t;
   t.uses_position = true;

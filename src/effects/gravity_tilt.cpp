@@ -58,8 +58,8 @@ class GravityTilt final : public ArmEffect {
   std::vector<std::vector<double>> far_values() const override {
     return {{kHalfTurn, 0.0}, {0.5 * kHalfTurn, 0.0}, {-0.5 * kHalfTurn, 0.0}, {0.0, 0.5 * kHalfTurn}, {0.0, -0.5 * kHalfTurn}};
   }
-  // R' g = Rx(-roll) Ry(-pitch) g: the first component of both sides gives two pitches, the others the roll of each.
-  // The smaller pitch is taken.
+  // Solves R' g = Rx(-roll) Ry(-pitch) g: the first component of both sides gives two pitches, the others the
+  // roll of each. The smaller pitch is used.
   std::vector<double> values_between(const ModelDescription& without, const ModelDescription& with,
                                      std::vector<double> sum) const override {
     const Eigen::Vector3d& from = without.gravity;
@@ -81,7 +81,7 @@ class GravityTilt final : public ArmEffect {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
-    if (std::cos(values[0]) * std::cos(values[1]) < 0.0)  // more than a right angle is no lean
+    if (std::cos(values[0]) * std::cos(values[1]) < 0.0)  // a turn of more than a right angle is no tilt
       return "a base that is turned by " + digits(180.0 / kHalfTurn * values[0], 3) + " deg about x and " +
              digits(180.0 / kHalfTurn * values[1], 3) + " deg about y: gravity in the file points elsewhere";
     return "a base that leans by " + digits(1e3 * values[0], 3) + " mrad about x and " +

@@ -6,7 +6,7 @@
 namespace veridyn {
 namespace {
 
-/// The frame behind the most joints; of several the last.
+/// The frame that the most joints move; among equals the last.
 size_t tip_of(const Model& arm) {
   size_t tip = 0;
   int most = -1;
@@ -27,8 +27,8 @@ size_t tip_of(const Model& arm) {
 ///
 ///   tau = -J(q)^T (x, y, z),   in the base's coordinates
 ///
-/// computed as the weight of a point mass of 1 kg under a gravity along each axis. In forward simulation it is
-/// left out, which engines say.
+/// computed as the weight of a point mass of 1 kg under a gravity along each axis. Forward simulation omits
+/// it, with a remark.
 class TipForce final : public ArmEffect {
  public:
   std::string name() const override { return "tip_force"; }
@@ -42,7 +42,7 @@ class TipForce final : public ArmEffect {
     t.holds_at_rest = true;
     return t;
   }
-  // Along few paths springs, cables and wrong zeros have the same torque.
+  // Along few paths springs, cables and wrong zeros can have the same torque.
   bool imitates_others() const override { return true; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
     ModelDescription d = motion.arm.description();

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// A lasting error of the recorded torque of one joint, or of all joints alike.
+/// A lasting error of the recorded torque of one joint, or the same error on all joints.
 class TorqueChannel : public SensorError {
  public:
   EffectTraits traits(const ShapeValues& /*shape*/) const final {

@@ -5,8 +5,8 @@
 namespace veridyn {
 namespace {
 
-/// The recorded torque of one joint contains a share of that of another: a common ground of the
-/// amplifiers, a strain gauge beside a loaded bearing, a wrong row of a coupling matrix,
+/// The recorded torque of one joint contains a share of another joint's: a common ground of the amplifiers, a
+/// strain gauge next to a loaded bearing, a wrong row of a coupling matrix,
 ///
 ///   recorded_i = true_i + share * true_from,     d tau_i / d share = tau_from
 class TorqueCrosstalk final : public SensorError {

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-/// factor >= kLeastFactor: a gain never turns a torque round.
+/// factor >= kLeastFactor: a gain never changes the sign of a torque.
 constexpr double kLeastFactor = 0.01;
 
 /// recorded = (1 + error) * true, of one joint's torque: a wrong motor constant, gear ratio or

@@ -7,8 +7,8 @@
 
 namespace veridyn {
 
-/// Interface of an AxisEffect whose columns can be written as C for exported models. A test
-/// compares the two.
+/// Interface of an AxisEffect whose columns can be written as C for exported models. A test compares the C
+/// code with columns().
 class WrittenInC {
  public:
   virtual ~WrittenInC() = default;
@@ -24,11 +24,11 @@ class WrittenInC {
   ///
   virtual std::vector<std::string> c_columns(const ShapeValues& shape) const = 0;
 
-  /// A C statement before the expressions that advances the memory; empty: none.
+  /// A C statement before the expressions that advances the memory; empty: none is needed.
   virtual std::string c_before(const ShapeValues& /*shape*/) const { return {}; }
 };
 
-/// A number that C reads back exactly.
+/// A number that C reads without loss.
 std::string c_number(double value);
 
 }  // namespace veridyn

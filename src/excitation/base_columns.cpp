@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kWorthwhile = 0.998;  // improvement of the condition number that a swap must give
 constexpr double kAlike = 0.2;         // share of a new column that the replaced one must explain
-constexpr double kNothing = 1e-9;      // share of the largest column
+constexpr double kNothing = 1e-9;      // share of the largest column, below which a column is zero
 constexpr int kMaxSwaps = 50;
 
 MatrixXd part_of(const MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& cols) {
@@ -62,7 +62,8 @@ std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd
   std::vector<int> best = base;
   double least = plain_condition_number(part_of(gram, best, best));
   for (int swaps = 0; swaps < kMaxSwaps && std::isfinite(least) && !others.empty(); ++swaps) {
-    // Share of each old column in each new one; a swap with a zero share would lose a parameter.
+    // Share of each old column in each new one. A swap with a share of zero would make a parameter
+    // unidentifiable.
     const MatrixXd share =
         part_of(gram, best, best).llt().solve(part_of(gram, best, others)).cwiseAbs();
     double reached = kWorthwhile * least;

@@ -26,7 +26,7 @@ std::vector<std::string> missing_data_cautions(const Model& arm, const Lacks& la
   return out;
 }
 
-// The links with a body that moves and without a shape, while others have one.
+// The links that move and have a body but no shape, if other links have shapes.
 std::vector<std::string> without_shape(const Model& arm, const std::vector<Capsule>& shapes) {
   std::vector<std::string> out;
   for (const int k : arm.bodies()) {

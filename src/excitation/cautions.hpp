@@ -7,12 +7,13 @@
 
 namespace veridyn {
 
-/// The lowest point of a motion: of the shapes of links where they are known, else of the origins of
-/// frames that move.
+/// The lowest point of a motion: of the shapes of links if these are known, else of the origins of moving
+/// frames.
 LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion);
 
-/// Unchecked limits and assumptions, one sentence each, with the option that checks or sets it.
-/// @param powered  the arm whose efforts limit the torques, where there is one.
+/// One sentence for each limit that was not checked and each assumption, with the option that checks or sets
+/// it.
+/// @param powered  the arm whose efforts limit the torques; nullopt without torque limits.
 std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& options, const LowestPoint& lowest,
                                   const std::optional<Model>& powered);
 

@@ -24,9 +24,9 @@ namespace veridyn {
 namespace {
 
 constexpr double kUsualShare = 0.01;  // share of essential parameters that is reported by default
-// Distance relative to a limit's size below which the limit is active.
+// Distance from a bound, relative to the limit's size, below which the limit is active.
 constexpr double kClose = 0.06;
-constexpr double kSmallestSize = 0.1;  // [m] of a limit with one side, whose size is that of its bound
+constexpr double kSmallestSize = 0.1;  // [m] size of a one-sided limit: that of its bound, but at least this
 constexpr int kRounds = 3;            // rounds of new base columns and descents
 
 void check(const ExcitationOptions& o) {
@@ -57,15 +57,13 @@ void check(const ExcitationOptions& o) {
           " slow passes, expected 0 to 100.");
 }
 
-// Share of a range within MotionCheck's margins at both ends.
+// Share of a range between MotionCheck's margins at both ends.
 constexpr double kRangeOfSupervisor = 1.0 - 2.0 * 0.0025;
-// A supervisor stops an arm at its speed limit, and a loop overshoots: a PID on psm-3dof exceeds
-// the wanted peak by 1.5 %, noise included (simulate --controller pid --noise dvrk on a 0.1 Hz
-// motion).
+// A supervisor stops an arm at its speed limit, and the loop overshoots: a PID on psm-3dof exceeds the wanted
+// peak by 1.5 %, noise included (simulate --controller pid --noise dvrk on a 0.1 Hz motion).
 constexpr double kSpeedOfSupervisor = 0.98;
 
-// The usable part of the joints' limits: a share of speed and acceleration, the middle of the
-// range.
+// The part of the joints' limits to use: a share of speed and acceleration, the middle of the range.
 MotionLimits share_of(MotionLimits limits, const ExcitationOptions& options) {
   const std::optional<double>& share = options.limit_share;
   const VectorXd edge =
@@ -77,7 +75,7 @@ MotionLimits share_of(MotionLimits limits, const ExcitationOptions& options) {
   return limits;
 }
 
-// Active limits of a joint, and those that couple it to others, beside its own range and speed.
+// Active limits of a joint other than its own range and speed, and those that couple it to other joints.
 UsedLimits used_limits(const std::vector<LimitMargin>& margins, const std::string& joint) {
   UsedLimits out{kNaN, kNaN, kNaN};
   for (const LimitMargin& m : margins) {
@@ -114,7 +112,7 @@ bool same_parameters(const Model& a, const Model& b) {
   return parameter_names(standard_parameters(a)) == parameter_names(standard_parameters(b));
 }
 
-// True if a motion keeps all limits.
+// Function that is true for a motion within all limits.
 std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& signals) {
   return [&signals](const MotionSamples& motion) {
     const std::vector<LimitMargin> margins = limit_margins(signals, motion);
@@ -123,7 +121,7 @@ std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& sign
   };
 }
 
-// The joints of the two causes, each once, or else all joints.
+// Joints for slow passes: those of the two causes, each once; without causes all joints.
 std::vector<int> slow_joints(const Question& question, const Model& arm) {
   const std::set<int> asked(question.rival_joints.begin(), question.rival_joints.end());
   if (!asked.empty()) return {asked.begin(), asked.end()};
@@ -132,7 +130,7 @@ std::vector<int> slow_joints(const Question& question, const Model& arm) {
   return all;
 }
 
-// Columns with the question that they serve.
+// A question together with its columns.
 struct Asked {
   Asked(const Model& arm, const std::vector<int>& columns, const ExcitationOptions& options,
         double seconds)
@@ -175,7 +173,7 @@ class Design {
     return x.size() > 0 ? asked.question.cost(samples(x)) : kInfinity;
   }
   std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
-  // The best motion of one start, with the base columns that suit it; x is empty where no motion
+  // The best motion of one start, with suitable base columns; x is empty if no motion is within the limits.
   // keeps the limits.
   struct Candidate {
     std::shared_ptr<const Asked> asked;
@@ -222,7 +220,7 @@ std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorX
   return best_conditioned_columns(base, std::move(gram));
 }
 
-// Alternates between choosing the base columns that suit the motion and a final descent with them.
+// Alternates between the choice of base columns for the motion and a final descent with them.
 Design::Candidate Design::polished(Candidate best, int start, Found& found) const {
   best.cost = cost(*best.asked, best.x);
   for (int round = 0; round < kRounds && best.x.size() > 0 && !stopped(); ++round) {
@@ -262,8 +260,8 @@ double Design::share_of_range(const VectorXd& x, int joint) const {
   return (bounds.upper[joint] - bounds.lower[joint]) / (limits_.upper[joint] - limits_.lower[joint]);
 }
 
-// The best motion in which joints of little use have a larger range, one after the other, the least used
-// first; a joint that the limits hold stays where it is.
+// The best motion in which joints with a small range get a larger one, beginning with the least used joint;
+// joints that the limits block keep their range.
 Design::Candidate Design::widened(Candidate best, Found& found) const {
   if (!uses_whole_range() || best.x.size() == 0) return best;
   std::vector<int> order;
@@ -289,7 +287,8 @@ Design::Candidate Design::widened(Candidate best, Found& found) const {
   return best;
 }
 
-// A finished start as numbers: its cost, convergence and evaluations, then lists with their lengths.
+// A finished start as a vector of numbers: its cost, convergence and evaluations, then lists with their
+// lengths.
 VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
   std::vector<double> out = {end.cost, found.converged ? 1.0 : 0.0, static_cast<double>(found.evaluations)};
   const auto append = [&out](const auto& list) {
@@ -303,7 +302,7 @@ VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
   return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
 }
 
-// Nothing where the numbers are not of this search.
+// The inverse of numbers_of(); nullopt if the numbers do not belong to this search.
 std::optional<Design::Candidate> Design::from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers,
                                                       Found& found) const {
   Eigen::Index at = 3;
@@ -338,7 +337,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   const MotionSamples motion = out.trajectory.motion(periods_, options_.rate);
   bool within = best.x.size() > 0;
   out.margins = limit_margins(signals_, out.trajectory);
-  // A slower motion keeps every limit but those of torques, which inertia may have helped to hold.
+  // A slower motion stays within every limit except those of torques, to which inertia may have contributed.
   if (within && options_.speed < 1.0 &&
       std::any_of(out.margins.begin(), out.margins.end(), [](const LimitMargin& m) { return m.margin < 0.0; })) {
     out.status = ExcitationStatus::kLimitsNotMet;
@@ -364,12 +363,12 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   const bool part = options_.essential > 0.0;
   const bool own = !part && options_.criterion != ExcitationCriterion::kAOptimal;
   const BaseRegressor whole(arm_, own ? asked.exact.base() : best_choice(all.base(), best.x));
-  judge_motion(arm_, whole, motion, samples(random), options_, out);
+  evaluate_motion(arm_, whole, motion, samples(random), options_, out);
   const double share = part ? options_.essential : kUsualShare;
   const EssentialColumns essential = essential_columns(arm_, share);
   if (part || !essential.non_essential.empty()) {
     const BaseRegressor kept(arm_, depends_on_base_choice() && part ? asked.exact.base() : essential.kept);
-    out.essential = judge_essential(arm_, essential, share, kept, motion);
+    out.essential = evaluate_essential(arm_, essential, share, kept, motion);
   }
   const std::optional<Model> known = values_of(arm_, options_);
   if (known) {
@@ -378,7 +377,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
                                options_.given, same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
-    out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion));
+    out.discrimination = evaluate_discrimination(asked.question, asked.question.exact_gram(motion));
   if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
 }
 
@@ -389,9 +388,9 @@ Excitation Design::run() {
   const auto asked = std::make_shared<const Asked>(arm_, columns, options_, seconds());
   require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),
           "' depend on no parameters: it has neither bodies nor effects.");
-  // Memory of the whole motion's regressor: base columns, and perhaps three times as many others.
+  // Memory of the regressor over the whole motion: base columns, and about three times as many others.
   const double most = std::floor(most_rows(4.0 * arm_.joints() * asked->exact.size()));
-  const double longest = std::max(options_.duration, seconds()) / options_.speed;  // two periods may take longer
+  const double longest = std::max(options_.duration, seconds()) / options_.speed;  // two periods may last longer
   require(longest * options_.rate < most, "excitation: found ", longest, " s at ", options_.rate,
           " Hz and a base frequency of ", options_.frequency, " Hz, expected fewer than ", most,
           " rows, what this machine holds.");
@@ -417,7 +416,7 @@ Excitation Design::run() {
                        [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
   Found& of_last = found[first - ends.begin()];
   Candidate last = widened(*first, of_last);
-  // Another start may have found a better motion of wide ranges.
+  // Another start may have a better motion with large ranges.
   for (const Candidate& other : ends) {
     const bool wide = uses_whole_range() && other.x.size() > 0 && uses_range_on_all_joints(other.x);
     if (wide && last.x.size() > 0 && !uses_range_on_all_joints(first->x) && (!uses_range_on_all_joints(last.x) || other.cost < last.cost)) last = other;

@@ -28,8 +28,8 @@ const char* name_of(ColumnScaling scaling) {
 namespace {
 
 constexpr const char* kGap = "gap of ";  // limits between links
-constexpr size_t kNamedGaps = 5;         // of them that the text lists
-constexpr size_t kNamed = 5;  // printed in the text; the JSON has all
+constexpr size_t kNamedGaps = 5;         // largest number of them in the text
+constexpr size_t kNamed = 5;  // largest number of entries in the text; the JSON has all
 
 std::string margin_line(const LimitMargin& m) {
   const auto bound = [](double value) {

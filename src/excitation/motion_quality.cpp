@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, double>> weakest_direction(
 
 }  // namespace
 
-void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
+void evaluate_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out) {
   const std::vector<StandardParameter> names = standard_parameters(arm);
   out.base_parameters = chosen.size();
@@ -60,7 +60,7 @@ void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSam
   out.start_condition_number = scaled_condition_number(chosen.gram(random));
 }
 
-EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
+EssentialParameters evaluate_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion) {
   const std::vector<StandardParameter> names = standard_parameters(arm);
   EssentialParameters out;
@@ -75,7 +75,7 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
   return out;
 }
 
-Discrimination judge_rivals(const Question& question, const MatrixXd& gram) {
+Discrimination evaluate_discrimination(const Question& question, const MatrixXd& gram) {
   Discrimination out;
   std::tie(out.first, out.second) = question.rival_names;
   const auto [first, second] = rival_remainders(gram, question.scale, question.rivals);

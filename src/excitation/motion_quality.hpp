@@ -5,16 +5,16 @@
 
 namespace veridyn {
 
-/// Writes the quality of a motion's samples into the result.
+/// Stores the quality of a motion's samples in the result.
 /// @param chosen  base columns of all base parameters.
-void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
+void evaluate_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out);
 
 /// Condition numbers of the essential parameters alone.
-EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
+EssentialParameters evaluate_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion);
 
-/// Separation of two causes by a motion. @param gram  of the question's exact columns.
-Discrimination judge_rivals(const Question& question, const MatrixXd& gram);
+/// How well a motion separates two causes. @param gram  of the question's exact columns.
+Discrimination evaluate_discrimination(const Question& question, const MatrixXd& gram);
 
 }  // namespace veridyn

@@ -47,7 +47,7 @@ Point at(const std::vector<Part>& parts, double t) {
   return out;
 }
 
-// To and fro twice. @param v  speed with the sign of the direction.
+// Moves out and back, twice. @param v  speed with the sign of the direction.
 std::vector<Part> pass(double v, double hold, double ramp) {
   const double turn = 2.0 * ramp;
   const double back = std::max(kShortestWay, hold - ramp);
@@ -73,10 +73,10 @@ MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eige
   return out;
 }
 
-// The pass at one speed with the displacement that fits into `room`, signed; empty if none does.
+// The pass at one speed with the displacement that fits into `room`, with its sign; empty if none fits.
 std::vector<Part> fitted(double speed, double room, double acceleration) {
   const double way = kRoom * std::abs(room);
-  // The acceleration of a ramp is 1.5 times the speed over its duration, at most.
+  // The largest acceleration of a ramp is 1.5 times its speed over its duration.
   const double ramp = std::max(kShortestRamp, 1.5 * speed / acceleration);
   const double extra = 0.5 * ramp + 2.0 * kOvershoot * ramp;
   const double hold = std::min(kWayOut, way / speed - extra);

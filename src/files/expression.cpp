@@ -29,7 +29,7 @@ bool is_name_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// Knows those constants whose names stand in the expression: a file may have thousands.
+// A parser with those constants whose names occur in the expression: a file may have thousands.
 mu::Parser parser_of(const std::string& expression, const Constants& constants) {
   mu::Parser parser;
   parser.DefineConst("pi", M_PI);

@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr int kMostHalvings = 2;        // of a mesh: at most four capsules
-constexpr double kWorthTwo = 0.75;      // volume of two capsules, as a share of one's, that makes them worth while
-constexpr double kWider[] = {1.0, 1.1, 1.25, 1.5};  // radii tried: a wider capsule may be a shorter one
+constexpr int kMostHalvings = 2;        // halvings of a mesh: at most four capsules
+constexpr double kWorthTwo = 0.75;      // largest volume of two capsules relative to that of one, for which two are used
+constexpr double kWider[] = {1.0, 1.1, 1.25, 1.5};  // radii that are tried, relative to the smallest: a wider capsule may be shorter
 
 Eigen::Vector3d three_numbers(const pugi::xml_attribute& words, const Eigen::Vector3d& otherwise) {
   if (!words) return otherwise;
@@ -88,7 +88,7 @@ void read_mesh_shape(const pugi::xml_node& mesh, const std::string& urdf, LinkSh
   shape.triangles = std::move(read.triangles);
 }
 
-// False where the geometry has no size.
+// False if the geometry has no size.
 bool read_geometry(const pugi::xml_node& geometry, const std::string& urdf, LinkShape& shape) {
   using Kind = LinkShape::Kind;
   if (const pugi::xml_node box = geometry.child("box")) {
@@ -108,7 +108,7 @@ bool read_geometry(const pugi::xml_node& geometry, const std::string& urdf, Link
   return shape.size.allFinite() && shape.size.minCoeff() > 0.0;
 }
 
-// The shortest capsule of that direction and radius about a line.
+// The shortest capsule of a given direction and radius around points.
 struct Fitted {
   Eigen::Vector3d from{0, 0, 0}, to{0, 0, 0};
   double radius = 0.0;
@@ -175,7 +175,7 @@ Points corners_of(const Points& points, const std::vector<std::array<int, 3>>& t
   return out;
 }
 
-// Every triangle is in one of the parts, whose capsule, being convex, holds all of it.
+// Every triangle belongs to one part. The part's capsule contains all of the triangle, since it is convex.
 std::vector<Fitted> capsules_of(const Points& points, const std::vector<std::array<int, 3>>& triangles, int halvings) {
   const Fitted whole = capsule_of(corners_of(points, triangles));
   if (halvings == 0 || triangles.size() < 2) return {whole};
@@ -232,7 +232,7 @@ std::vector<Capsule> capsules_around(const LinkShape& shape) {
   } else if (shape.kind == LinkShape::Kind::kMesh) {
     fitted = capsules_of(shape.points, shape.triangles, kMostHalvings);
   } else {
-    // A cylinder is held by the capsule of a circumscribed prism of 32 sides.
+    // A cylinder is contained in the capsule of a circumscribed prism with 32 sides.
     Points corners;
     const int sides = shape.kind == LinkShape::Kind::kBox ? 4 : 32;
     for (int k = 0; k < sides; ++k) {

@@ -15,13 +15,13 @@ namespace veridyn {
 namespace {
 
 constexpr std::size_t kStlHeader = 84;    // 80 bytes of text and the number of triangles
-constexpr std::size_t kStlTriangle = 50;  // a normal and three corners in floats, two bytes beside
+constexpr std::size_t kStlTriangle = 50;  // a normal and three corners as floats, then two bytes
 
 void require_finite(const std::string& path, const Eigen::Vector3d& p) {
   require(p.allFinite(), path, ": found a vertex that is no finite number.");
 }
 
-// Corners that coincide are one point.
+// Merges corners that coincide.
 class MeshPoints {
  public:
   MeshPoints(const std::string& path, Mesh& mesh) : path_(path), mesh_(mesh) {}

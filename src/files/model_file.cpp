@@ -39,7 +39,7 @@ bool is_robot_file(const fs::path& path) {
   return path.extension() == ".json" || std::find(std::begin(kEndings), std::end(kEndings), path.extension()) != std::end(kEndings);
 }
 
-// Finds the file of a bare name.
+// Finds the file of a robot that is given by its bare name.
 fs::path find_robot(const std::string& name) {
   std::error_code ignored;
   for (const fs::path& folder : robot_folders()) {

@@ -17,13 +17,13 @@ std::string path_of(int descriptor) {
   return text("/proc/self/fd/", descriptor);
 }
 
-// -1 where the file system has no files without a name.
+// Opens a file without a name; -1 if the file system does not support it.
 int open_nameless(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
   return ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
 }
 
-// Names the file; a file of that name is replaced, which takes a second name for an instant.
+// Gives the file its name. A file of that name is replaced, by way of a temporary second name.
 bool link_to_name(int descriptor, const std::string& aside, const std::string& path) {
   const std::string from = path_of(descriptor);
   const auto link_to = [&](const std::string& name) {
@@ -37,7 +37,7 @@ bool link_to_name(int descriptor, const std::string& aside, const std::string& p
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   require(path_ != "-", "found '-' for a file to write, expected a name; /dev/stdout writes to the terminal.");
   std::error_code error;
-  // A symbolic link is kept, and its target replaced.
+  // A symbolic link is kept, and its target is replaced.
   if (std::filesystem::is_symlink(path_, error)) {
     const auto target = std::filesystem::weakly_canonical(path_, error);
     if (!error && std::filesystem::is_regular_file(target, error)) path_ = target.string();

@@ -17,8 +17,8 @@ struct PhysicalBody {
 /// Nullopt if the mass is zero.
 std::optional<PhysicalBody> physical_body(const InertialParameters& phi);
 
-/// The same rounded to 15 digits for readable files; nullopt if the rounded values do not give phi
-/// back, or mass or a moment is negative.
+/// The same, rounded to 15 digits for readable files; nullopt if phi does not follow from the rounded values,
+/// or if the mass or a moment is negative.
 std::optional<PhysicalBody> rounded_physical_body(const InertialParameters& phi);
 
 }  // namespace veridyn

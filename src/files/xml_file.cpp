@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kDeepestElement = 500;  // bodies nest once for each joint; readers recurse once for each
+constexpr int kDeepestElement = 500;  // bodies are nested once for each joint, and readers recurse once for each
 
 // "line:column" of a character.
 std::string place_in(const std::string& text, std::ptrdiff_t offset) {
@@ -32,7 +32,7 @@ struct DepthWalker : pugi::xml_tree_walker {
   pugi::xml_node deep;
 };
 
-// Parses the number at the beginning and advances `at` behind it; NaN if there is none.
+// Parses the number at the beginning and moves `at` to its end; NaN if there is none.
 double parse_leading_number(const char*& at, const char* end) {
   if (at != end && *at == '+') ++at;
   double value = kNaN;

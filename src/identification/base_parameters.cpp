@@ -41,9 +41,9 @@ int rank_of(const VectorXd& singular_values, double tolerance, double& gap) {
   return rank;
 }
 
-// Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if its remainder
-// exceeds a threshold. The threshold lies between the smallest kept and the largest dropped
-// remainder, so that exactly `rank` columns are kept.
+// Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if its remainder exceeds a
+// threshold. The threshold lies between the smallest remainder that is kept and the largest that is dropped,
+// so that exactly `rank` columns are kept.
 std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& order, int rank) {
   for (double threshold = 1e-2; threshold > 1e-13; threshold *= 0.1) {
     MatrixXd Q(A.rows(), rank);
@@ -65,7 +65,7 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
     }
     if (!too_many && static_cast<int>(chosen.size()) == rank) return chosen;
   }
-  // No threshold separates them: the best-conditioned set is used instead.
+  // If no threshold separates them, the best-conditioned set is used.
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
   std::vector<int> chosen;
   for (int i = 0; i < rank; ++i) chosen.push_back(qr.colsPermutation().indices()[i]);

@@ -97,7 +97,7 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
       low = std::min(low, r.joints[i].minimum);
       high = std::max(high, r.joints[i].maximum);
     }
-    // No drive measures a torque range of machine epsilon; its reciprocal squared would overflow.
+    // No sensor has a torque range as small as machine epsilon, whose squared reciprocal would overflow.
     if (high - low > std::numeric_limits<double>::epsilon()) weights[i] = 1.0 / (high - low);
   }
   return weights;
@@ -113,7 +113,8 @@ VectorXd residual_weights(const std::vector<SquareRootInformation>& joints,
   VectorXd weights(start.size());
   for (size_t i = 0; i < leading.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    // No residual is known better than the torques' rounding: an exact fit gets a finite weight.
+    // The residual cannot be smaller than the rounding errors of the torques: an exact fit gets a finite
+    // weight.
     const double rounding = std::numeric_limits<double>::epsilon() / start[row];
     const double least = std::max(leading[i].rows(), 1.0) * rounding * rounding;
     weights[row] = std::sqrt(leading[i].rows() / std::max(leading[i].residual2(beta), least));

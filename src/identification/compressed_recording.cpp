@@ -20,11 +20,10 @@ namespace {
 using Visit = VisitSegment;
 using Pass = StretchPass;
 
-// Blocks for the jackknife and for held-out folds. If the motion repeats they are phases of the
-// period with the repeats merged, because repeats share their systematic errors and are not
-// independent. Otherwise they are segments of equal duration, between half of most_blocks and
-// most_blocks. An arm with so many joints that they would exceed kMostBytes gets half or a quarter
-// of them.
+// Blocks for the jackknife and for held-out folds. If the motion repeats, they are phases of its period, with
+// all repeats merged, because repeats share systematic errors and are not independent. Otherwise they are
+// segments of equal duration; their number is between half of most_blocks and most_blocks. It is divided by
+// two or four for an arm with so many joints that the factors would exceed kMostBytes.
 class Blocks {
  public:
   Blocks(const RegressorColumns& columns, int joints, double period)
@@ -44,8 +43,8 @@ class Blocks {
     while (phases_ > identifying::kFewestBlocks && bytes * phases_ > identifying::kMostBytes) phases_ /= 2.0;
   }
 
-  // Absorbs the rows of some joints from `first` on. Factors of different joints are independent,
-  // so each may have a thread.
+  // Absorbs rows of some joints, beginning with joint `first`. Factors of different joints are independent,
+  // so that threads may process them in parallel.
   void absorb(const std::vector<JointRows>& rows, int first, int threads) {
     size_t last = 0;
     for (const JointRows& joint : rows) {
@@ -99,11 +98,11 @@ class Blocks {
   size_t most_;
   double period_;
   double duration_;
-  std::vector<SquareRootInformation> none_;  // a block without rows
+  std::vector<SquareRootInformation> none_;  // factors of a block without rows
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 
-// Keeps only the excluded intervals of this recording.
+// Removes the excluded intervals of all other recordings.
 PreprocessingOptions of_this_source(PreprocessingOptions options, const std::string& source) {
   std::vector<ExcludedInterval>& parts = options.excluded_intervals;
   parts.erase(std::remove_if(parts.begin(), parts.end(),
@@ -115,8 +114,7 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
   return options;
 }
 
-// Absorbs the rows of every joint, groups of joints in parallel; at most kGroupsAtOnce of them are
-// in memory.
+// Absorbs the rows of every joint, groups of joints in parallel, with at most kGroupsAtOnce groups in memory.
 void absorb_all(const RegressorColumns& columns, const Segment& s, int threads, Blocks& blocks) {
   const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
   for (size_t at = 0; at < groups.size(); at += identifying::kGroupsAtOnce) {
@@ -132,7 +130,7 @@ void absorb_all(const RegressorColumns& columns, const Segment& s, int threads, 
   }
 }
 
-// Extent of a pass: factors, or only the facts.
+// Scope of a pass over a recording.
 enum class Wanted { kFactors, kFacts };
 
 // Number of samples of one segment that a fit would use, over all joints.
@@ -203,8 +201,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   return out;
 }
 
-// Time and positions of the first minutes, decimated: sufficient for the period, with memory that
-// does not depend on the file's length or rate.
+// Time and positions of the first minutes, decimated: sufficient for the period, with memory independent of
+// the file's length and rate.
 class ThinnedPositions {
  public:
   void add(const Recording& piece, Eigen::Index row) {
@@ -262,7 +260,7 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   }
   const Recording* there = find_in_memory(options.in_memory, path);
   if (there == nullptr && options.kept && options.first_row == 0 && !options.row_count) {
-    // The judgement of a short recording has found the period from the same positions.
+    // The quality check of a short recording has determined the period from the same positions.
     const auto seen = options.kept->known_quality(path, inspected_rows(arm, options));
     if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::numbers.period_time &&
         seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
@@ -271,8 +269,8 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
 }
 
-// Collects between the wanted number and twice as many samples of a recording of any length: when
-// full, every second one is dropped.
+// Collects between `wanted` and twice as many samples of a recording of any length: when it is full, every
+// second sample is dropped.
 class SeriesCollector {
  public:
   SeriesCollector(PredictionSeries* series, int joints) : series_(series) {

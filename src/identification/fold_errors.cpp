@@ -52,9 +52,9 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
   return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
 }
 
-// Factor that inflates residuals with a longer correlation time to equivalent ones with one
-// independent sample in kNoiseSeconds. Noise held for T seconds (a zero-order hold) and a column that oscillates with
-// f hertz give sqrt(T / kNoiseSeconds) |sinc(pi f T)|.
+// Factor for residuals with a longer correlation time: it converts them to equivalent residuals with one
+// independent sample in kNoiseSeconds. Noise that is held for T seconds (a zero-order hold), with a column
+// that oscillates at f hertz, gives sqrt(T / kNoiseSeconds) |sinc(pi f T)|.
 double correlation_inflation(const Model& arm, const Identification& id) {
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
@@ -62,7 +62,7 @@ double correlation_inflation(const Model& arm, const Identification& id) {
   return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kNoiseSeconds));
 }
 
-// BlockList of the recordings that are held out together.
+// For each part that is held out together, the blocks of its recordings.
 std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordings, const HoldOut& hold_out) {
   const size_t each = hold_out.parts_of_each(recordings.size());
   std::vector<BlockList> out;
@@ -78,7 +78,7 @@ std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordin
   return out;
 }
 
-// Sum of squares of every joint's torque, as its series has it, over so many rows.
+// Sum of squares of every joint's torque, estimated from its series, for so many rows.
 VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
   VectorXd out = rows;
   for (Eigen::Index j = 0; j < rows.size(); ++j) {
@@ -119,8 +119,8 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
   }
   SquareRootInformation total(names);
   for (const SquareRootInformation& factor : factors) total.merge(factor);
-  // Directions that the parts hardly determine (asymmetric Coulomb friction beside an offset differs at rest
-  // alone) keep the values of all parts, from which they would otherwise differ much.
+  // Directions that the parts hardly determine (asymmetric Coulomb friction and an offset differ at rest
+  // alone) keep the values of all parts together; otherwise the folds would differ much.
   const MatrixXd anchor = (std::sqrt(hold_out.new_share) * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;

@@ -5,9 +5,9 @@
 
 namespace veridyn {
 
-/// Squared errors of every joint on parts of the training recordings, each predicted by the arm that
-/// the other parts give. The parts are whole recordings; of three or two the halves of each, of one
-/// its eighths (phases of its period where it repeats).
+/// Squared errors of every joint on parts of the training recordings, each predicted by a fit to the other
+/// parts. A part is a whole recording; of two or three recordings it is half of one, of a single recording an
+/// eighth (a phase of its period, if it repeats).
 struct FoldErrors {
   MatrixXd error2;   ///< (parts x n)
   VectorXd torque2;  ///< (n) squared torque over all parts

@@ -32,7 +32,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Base parameters of the arm outside the row space of the data.
+// Base parameters of the arm that are not in the row space of the data.
 std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
                                                  const BaseParameters& data_base,
                                                  const VectorXd& scale) {
@@ -50,7 +50,7 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   return out;
 }
 
-// True, with a status and a reason, if the recordings do not determine the arm's base parameters.
+// True, with a status and a reason set, if the recordings do not determine the arm's base parameters.
 bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
                     const SquareRootInformation& total, Identification& id) {
   const auto parameters = standard_parameters(arm);
@@ -69,14 +69,15 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   std::string open;
   int told = 0;
   for (const std::string& name : id.undetermined) {
-    // Sums of many parameters fill lines without helping; id.undetermined has them all.
+    // Sums of many parameters are skipped: they fill lines without information, and id.undetermined has them
+    // all.
     if (told == 8 || name.find(' ') != std::string::npos) continue;
     open += (told++ == 0 ? "" : "; ") + name;
   }
   const int rest = static_cast<int>(id.undetermined.size()) - told;
   if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : rest > 1 ? " sums of parameters" : " sum of parameters");
   id.reason = shortfall(arm_base, data_base, id.still_joints);
-  // If the gap concerns nearly all of them, listing their names does not help.
+  // If nearly all parameters are undetermined, a list of them does not help.
   if (!id.still_joints.empty() && static_cast<int>(id.still_joints.size()) == arm.joints()) {
     id.reason += "; gravity, offsets and forces of position of an arm at rest are identified with --at-rest";
   } else if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
@@ -88,7 +89,7 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   return true;
 }
 
-// The least-norm standard parameters (columns scaled) with these base parameters.
+// Standard parameters with these base parameters and least norm (columns scaled).
 VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta,
                              const VectorXd& norms) {
   VectorXd scale = norms;
@@ -160,7 +161,7 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
     weights = residual_weights(joints, weights, base, names);
   }
   if (options.method == Method::kFeasible) total = weighted_total(joints, weights, names);
-  joints.clear();  // large arms need the memory
+  joints.clear();  // large arms need this memory
   joints.shrink_to_fit();
   const BaseSolution solution = solve_base(recordings, weights, base, names);
   id.status = IdentificationStatus::kDone;
@@ -182,7 +183,7 @@ void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordin
 
 namespace {
 
-// Model and tables of a solution whose parameters are set.
+// Sets the model and the tables of a solution whose parameters are known.
 void set_solution(const Model& arm, const std::vector<CompressedRecording>& recordings, const BaseParameters& base,
                    const BaseSolution& solution, const VectorXd& beta, Identification& id) {
   const auto parameters = standard_parameters(arm);
@@ -200,7 +201,7 @@ void set_solution(const Model& arm, const std::vector<CompressedRecording>& reco
   id.model = Model(std::move(description));
 }
 
-// Replaces the least-squares solution by that of the motion without noise.
+// Replaces the least-squares solution by the estimate from the noise-free motion.
 void refit_with_instruments(const Model& arm, const std::vector<CompressedRecording>& recordings,
                             const IdentificationOptions& options, Identification& id) {
   if (options.method != Method::kIv && options.method != Method::kDidim) return;
@@ -236,7 +237,7 @@ std::string AskedArm::remark() const { return friction_remark(file_, used_); }
 
 namespace {
 
-// Removes columns of effects that the arm does not have, as in factors of an arm with more effects.
+// Removes the columns of effects that the arm does not have: factors may come from an arm with more effects.
 void drop_other_columns(const Model& arm, std::vector<CompressedRecording>& recordings) {
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   const std::set<std::string> known(names.begin(), names.end());
@@ -318,7 +319,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
   if (open.empty()) {
     IdentificationOptions plain = options;
     plain.known_masses.clear();
-    plain.choose_velocities = false;  // decided for all recordings together, with the gains
+    plain.choose_velocities = false;  // chosen for all recordings together, when the gains are known
     id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
   } else {
     id = empty_identification(arm, options);
@@ -341,7 +342,8 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
 
 namespace {
 
-// Torques so small that no body is as light: the model leaves more of a joint than there is.
+// True if the torques are smaller than those of the lightest possible body, so that the model's error exceeds
+// the torque itself.
 bool torques_are_negligible(Identification& id) {
   double largest = 0.0;
   for (const CompressedRecording& r : id.factors) {
@@ -374,7 +376,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
   id.seconds.compress = seconds_since(begin);
   say("solving", identifying::kSolving);
-  // Torques that are zero throughout were not recorded; if that holds for all joints there is nothing to identify.
+  // A torque that is zero throughout was not recorded; without any torque nothing can be identified.
   std::set<int> silent = silent_joints(trained);
   if (static_cast<int>(silent.size()) == file.joints()) silent.clear();
   std::string names;

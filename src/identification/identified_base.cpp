@@ -20,7 +20,7 @@ double to_four_digits(double value) {
   return std::strtod(fmt::format("{:.4f}", value).c_str(), nullptr);
 }
 
-// Compresses a factor of the covariance to at most as many columns as rows, if there are more than
+// Compresses a factor of the covariance to at most as many columns as rows, if it has more than
 // kClustersKept.
 MatrixXd compressed_scatter(const MatrixXd& scatter) {
   if (scatter.cols() <= std::max<Eigen::Index>(kClustersKept, scatter.rows())) return scatter;
@@ -29,7 +29,8 @@ MatrixXd compressed_scatter(const MatrixXd& scatter) {
   return MatrixXd(qr.matrixQR().topRows(k).triangularView<Eigen::Upper>()).transpose();
 }
 
-// Root mean share of a cluster in the squares of a joint's columns, which does not depend on units.
+// Share of each cluster in the squares of a joint's columns, root mean over the columns, independent of
+// units.
 MatrixXd motion_of(const std::vector<CompressedRecording>& recordings, int clusters) {
   const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
   std::vector<VectorXd> total(n);

@@ -51,7 +51,7 @@ Model resting_arm(const Model& file, bool approached) {
   return approached ? with_effect_of_all_joints(out, kPlainCoulomb) : out;
 }
 
-// Rows of every joint: gravity of the bodies at rest, effects as if just stopped.
+// Rows of every joint: gravity of the bodies at rest, and effects in the state after a motion has stopped.
 std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
   PreprocessingOptions as_they_are;
   as_they_are.cutoff = 0.0;
@@ -135,8 +135,8 @@ Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses
   return Model(std::move(d));
 }
 
-// Torques that the parameters give, (poses x n).
-MatrixXd modelled(const Model& arm, const RestPoses& poses, const VectorXd& values) {
+// Torques (poses x n) of the arm with these parameters.
+MatrixXd modelled_torques(const Model& arm, const RestPoses& poses, const VectorXd& values) {
   MatrixXd out(poses.poses(), arm.joints());
   const std::vector<JointRows> rows = rows_of_poses(arm, poses);
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -144,7 +144,7 @@ MatrixXd modelled(const Model& arm, const RestPoses& poses, const VectorXd& valu
     for (Eigen::Index p = 0; p < mine.size(); ++p)
       mine[p] = values[rows[i].parameters[p]];
     const auto j = static_cast<Eigen::Index>(i);
-    out.col(j) = poses.tau.col(j) - rows[i].b + rows[i].A * mine;  // facts are on the side of b
+    out.col(j) = poses.tau.col(j) - rows[i].b + rows[i].A * mine;  // known values are part of b
   }
   return out;
 }
@@ -164,7 +164,7 @@ PredictionError rest_error(const ErrorSums& sums) {
 
 RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd& values, ErrorSums& all,
                         MatrixXd& residuals) {
-  const MatrixXd torque = modelled(arm, poses, values);
+  const MatrixXd torque = modelled_torques(arm, poses, values);
   ErrorSums sums(arm.joints());
   for (Eigen::Index k = 0; k < poses.poses(); ++k) {
     for (int i = 0; i < arm.joints(); ++i) sums.add(i, poses.tau(k, i), torque(k, i), MovingSample::kNo);
@@ -185,7 +185,7 @@ RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd
   return out;
 }
 
-// Plausible bodies, as a prior for parameters that poses at rest do not determine.
+// The arm with plausible bodies as a prior for the parameters that poses at rest do not determine.
 Model with_ball_priors(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {
@@ -210,8 +210,8 @@ double quantile(VectorXd values, double share) {
   return values[static_cast<Eigen::Index>(share * static_cast<double>(values.size() - 1))];
 }
 
-// Reports the spread of torques about the model: dry friction of an unrecorded approach, and errors
-// of the model.
+// Reports the spread of the torques around the model: dry friction of an unknown approach, and errors of the
+// model.
 void report_friction_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
   std::string words;
   for (int i = 0; i < arm.joints(); ++i) {

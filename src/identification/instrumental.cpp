@@ -15,8 +15,8 @@
 namespace veridyn {
 namespace {
 
-// The motion of instruments: low-passed positions with their derivatives, or what the other repeats measured, in which case
-// rows that are not repeated are left out.
+// Source of the instruments' motion: low-passed positions and their derivatives, or the measurements of the
+// other repeats; rows that are not repeated are then left out.
 enum class Instruments { kPositions, kRepeats };
 
 // A whole recording on its uniform grid.
@@ -26,7 +26,8 @@ struct SmoothMotion {
   MatrixXd q, dq, ddq;
   std::vector<char> use;
 
-  // The mean over the same phase of other periods; false, and the motion itself, where there is none.
+  // The mean over the same phase of all other periods. False, with the motion itself, if there is no other
+  // period.
   bool at(double t, Eigen::Ref<VectorXd> q_out, Eigen::Ref<VectorXd> dq_out, Eigen::Ref<VectorXd> ddq_out) const {
     q_out.setZero();
     dq_out.setZero();
@@ -90,7 +91,7 @@ SmoothMotion smooth_motion(const Model& arm, const CompressedRecording& recordin
   return out;
 }
 
-// One joint's columns: measured, without noise, and the torque that belongs to the latter.
+// One joint's columns along the measured motion and along the noise-free one, and the measured torque.
 struct JointColumns {
   std::vector<int> unknowns;  // indices of base parameters
   std::vector<std::string> names;
@@ -133,7 +134,7 @@ void absorb(const Model& arm, const CompressedRecording& recording, Preprocessin
     if (excluded) smooth.use[k] = 0;
   }
   const size_t first = blocks.size();
-  const size_t count = recording.blocks.size();  // those of least squares, for the jackknife
+  const size_t count = recording.blocks.size();  // as many blocks as least squares have, for the jackknife
   for (size_t b = 0; b < count; ++b) {
     blocks.emplace_back();
     for (const JointColumns& joint : joints) blocks.back().emplace_back(joint.names);
@@ -224,7 +225,7 @@ VectorXd estimate(const CrossMoments& m, Method method, const VectorXd& scale) {
   return method == Method::kIv ? solved(m.ZA, m.Zb, scale) : solved(m.ZZ, m.Zc, scale);
 }
 
-// Moments of recordings, block by block and together.
+// Moments of all recordings, for each block and in total.
 struct AllMoments {
   std::vector<JointColumns> joints;
   std::vector<SquareRootInformation> totals;  // of the joints
@@ -268,7 +269,7 @@ struct AllMoments {
   }
 };
 
-// Residual of least squares on some columns of a factor, and their rank.
+// Residual of least squares on the columns T of a factor, and their rank.
 std::pair<double, int> residual_on(const SquareRootInformation& factor, const MatrixXd& T) {
   const Eigen::ColPivHouseholderQR<MatrixXd> qr = [&] {
     MatrixXd A = factor.R() * T;
@@ -284,10 +285,10 @@ std::pair<double, int> residual_on(const SquareRootInformation& factor, const Ma
   return {turned.squaredNorm() + factor.rho2(), rank};
 }
 
-// Durbin-Wu-Hausman by the augmented regression: if the measured columns carry no noise that is
-// correlated with the torque's, the difference of the two motions' columns explains nothing more.
+// Durbin-Wu-Hausman test by augmented regression: if the noise in the measured columns is uncorrelated with
+// that of the torque, the difference between the columns of the two motions explains nothing in addition.
 EndogeneityTest endogeneity(const SquareRootInformation& factor, Eigen::Index k, double independent_share) {
-  if (k == 0) return {};  // all of the joint's parameters are facts
+  if (k == 0) return {};  // all parameters of the joint are known
   MatrixXd measured = MatrixXd::Zero(2 * k + 1, k);
   measured.topRows(k).setIdentity();
   MatrixXd both = MatrixXd::Zero(2 * k + 1, 2 * k);
@@ -339,7 +340,7 @@ InstrumentalContrast contrast_with_repeats(const Model& arm, const std::vector<C
     if (r.period.seconds > 0.0 && !r.detached) repeated.push_back(r);
   }
   PreprocessingOptions every_speed = how;
-  every_speed.min_speed = 0.0;  // whether a row is slow is not the same in every repeat
+  every_speed.min_speed = 0.0;  // a row may be slow in one repeat and not in another
   const AllMoments all(arm, repeated, base, weights, every_speed, Instruments::kRepeats);
   InstrumentalContrast out;
   out.p_value = VectorXd::Ones(base.size());

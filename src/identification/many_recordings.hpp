@@ -8,9 +8,9 @@
 
 namespace veridyn {
 
-/// compress_all() for identify(): with many recordings the blocks of each are merged until all
-/// recordings together have at most blocks_of_all of them (but at least one each), which bounds the
-/// memory. The clusters of the jackknife are then whole recordings, as is appropriate for many.
+/// compress_all() for identify(): with many recordings the blocks of each are merged until all recordings
+/// together have at most blocks_of_all blocks (at least one each), which bounds the memory. The clusters of
+/// the jackknife are then whole recordings.
 std::vector<CompressedRecording> compress_many(const Model& arm,
                                                const std::vector<std::string>& paths,
                                                const PreprocessingOptions& options, int threads);
@@ -19,14 +19,15 @@ std::vector<CompressedRecording> compress_many(const Model& arm,
 CompressedRecording compress_facts(const Model& arm, const std::string& path,
                                    const PreprocessingOptions& options, int threads);
 
-/// The recordings of a list, read in parallel by read(path, threads), in the order of the list.
+/// Compresses the recordings of a list in parallel by read(path, threads); the result has the order of the
+/// list.
 std::vector<CompressedRecording> compress_each(const std::vector<std::string>& paths, int threads,
                                          const std::function<CompressedRecording(const std::string&, int)>& read);
 
-/// Merges neighbouring blocks, joint by joint: half as many are left.
+/// Merges neighbouring blocks, joint by joint, so that half as many remain.
 void merge_pairs(std::vector<std::vector<SquareRootInformation>>& blocks);
 
-/// Merges neighbouring blocks of a recording until it has at most `most`.
+/// Merges neighbouring blocks of a recording until at most `most` remain.
 void merge_blocks(CompressedRecording& recording, int most);
 
 /// Number of blocks that each of several recordings may keep.
@@ -47,33 +48,33 @@ class AskedArm {
   Model used_;
 };
 
-/// Computes the model from factors: fills everything except errors, and may replace id.reason.
-/// Added rotor inertia that the recordings do not determine is removed from the arm and from the
-/// factors. False if there is no model.
+/// Computes the model from factors: fills everything except errors, and may replace id.reason. Removes rotor
+/// inertia that with_friction() added and the recordings do not determine, from the arm and from the factors.
+/// False if there is no model.
 bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
                  const IdentificationOptions& options, Identification& id);
 
-/// From factors to the parameters of an arm and its model, over base parameters that the recordings
-/// determine. Leaves id.model empty where a prior does not let it converge.
-/// @param joints  their joint_totals().
+/// Computes the parameters of an arm and its model from factors, over the base parameters that the recordings
+/// determine. id.model stays empty if the fit with a prior does not converge.
+/// @param joints  joint_totals() of the recordings.
 void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordings,
               std::vector<SquareRootInformation> joints, const BaseParameters& base,
               const IdentificationOptions& options, Identification& id);
 
-/// The errors of training go into the model file with the statistics.
+/// Stores the errors of training in the model, with the statistics.
 void store_training_error(Identification& id);
 
-/// @throws InvalidInput  the factors belong to another arm, or have other settings.
+/// @throws InvalidInput  the factors belong to another arm, or were computed with other settings.
 void require_factors_of(const Model& arm, const FactorSet& factors,
                         const PreprocessingOptions& how);
 
 /// True if the file has the header of a factor file.
 bool is_factor_file(const std::string& path);
 
-/// Joints whose velocities were taken from the position when the factors were made.
+/// Joints whose velocities were derived from the position when the factors were computed.
 std::vector<int> joints_with_derived_velocities(const FactorSet& factors);
 
-/// identify() of recordings compressed before (`trained`, which come first) and of others.
+/// identify() of recordings that were compressed earlier (`trained`, which come first) and of others.
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,

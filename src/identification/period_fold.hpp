@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// Compares torques with those one period earlier; the difference between repeats is the error of a
-/// perfect model. Holds one period of samples.
+/// Compares torques with those one period earlier; the difference between repeats is the error of a perfect
+/// model. Stores one period of samples.
 class PeriodFold {
  public:
   /// @param period  [s]; 0: nothing is compared.

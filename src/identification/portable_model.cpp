@@ -22,12 +22,12 @@ namespace {
 constexpr double kRodRadius = 0.025;     // [m]
 constexpr double kRodDensity = 1000.0;   // [kg/m^3]
 constexpr double kShortestRod = 0.05;    // [m]
-constexpr double kSmallestRadius = 0.005;  // [m] of a manufacturer's body, about its centre
+constexpr double kSmallestRadius = 0.005;  // [m] radius of gyration of a manufacturer's body, at least
 constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows relative to the prior
-// Weight of a drawing's mass: a tenth beside it costs as much as bodies whose shapes differ by e^50 in all, so
-// that torques alone move it.
+// Weight of a CAD model's mass: an error of a tenth costs as much as bodies whose shapes differ by e^50 in
+// total, so that only torques change it.
 constexpr double kMassTrust = 1e4;
-constexpr int kTurns = 2;                  // of the method of multipliers; the second leaves 1e-8 of the rows at most
+constexpr int kTurns = 2;                  // iterations of the method of multipliers; the second one leaves a violation of at most 1e-8
 
 constexpr double kIdleRotor = 1e-6;  // share of the largest body's inertia below which a rotor has none
 constexpr const char* kRotorValue = "inertia";  // parameter of the effect
@@ -64,10 +64,10 @@ InertialVector rod_body(const Model& arm, int frame) {
   return inertial_parameters(J);
 }
 
-// The prior's body of that name if it is possible, else the manufacturer's, else the rod.
+// The prior's body of this name if it is possible, else that of the manufacturer, else the rod.
 struct BodyPrior {
   InertialVector phi;
-  bool drawn = true;  // false: the rod
+  bool drawn = true;  // false: the body is the rod
 };
 
 BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
@@ -92,7 +92,7 @@ bool all_possible(const VectorXd& phi) {
   return true;
 }
 
-// The arm with these values of its free columns.
+// The arm with these values in its free columns.
 Model with_chosen(const Model& arm, const std::vector<Eigen::Index>& free, const VectorXd& x) {
   ModelDescription d = arm.description();
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
@@ -105,7 +105,8 @@ Model with_chosen(const Model& arm, const std::vector<Eigen::Index>& free, const
   return Model(std::move(d));
 }
 
-// Columns of the bodies that are not facts, then, with kArmatures, of rotor inertias of single joints.
+// Columns of the bodies without known values, then, with kArmatures, those of the rotor inertias of single
+// joints.
 std::vector<Eigen::Index> free_columns(const Model& arm, RotorPlace rotors) {
   std::vector<Eigen::Index> out;
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
@@ -121,7 +122,7 @@ std::vector<Eigen::Index> free_columns(const Model& arm, RotorPlace rotors) {
   return out;
 }
 
-// Rows of K over the columns of bodies, each row of unit length in the prior's units.
+// Rows of K over the columns of bodies, each normalised in the prior's units.
 struct TorqueRows {
   MatrixXd A;
   VectorXd b;
@@ -144,7 +145,7 @@ TorqueRows torque_rows(const BaseParameters& base, const VectorXd& phi,
   return out;
 }
 
-// Magnitudes of a body's ten parameters, and of rotor inertias after them.
+// Magnitudes of a body's ten parameters, followed by those of the rotor inertias.
 VectorXd sizes_of(const std::vector<InertialVector>& priors, Eigen::Index rotors) {
   VectorXd out(static_cast<Eigen::Index>(kBodyParameters * priors.size()) + rotors);
   out.tail(rotors).setZero();
@@ -177,14 +178,14 @@ std::vector<PortableBody> portable_bodies(const Model& arm, const BaseParameters
   return out;
 }
 
-// A rotor inertia of zero on every joint that has none.
+// The arm with a rotor inertia of zero on every joint that has none.
 Model with_all_rotors(const Model& arm) {
   ModelDescription d = with_effect_of_all_joints(arm, kRotorInertia).description();
   for (size_t e = arm.effects().size(); e < d.effects.size(); ++e) d.effects[e].values = {{kRotorValue, 0.0}};
   return Model(std::move(d));
 }
 
-// The arm without the rotor inertias of zero that were added to it.
+// The arm without the added rotor inertias that remained zero.
 Model without_idle_rotors(const Model& arm, size_t effects) {
   ModelDescription d = arm.description();
   const auto idle = [](const EffectTerm& term) { return term.values.at(kRotorValue) == 0.0; };
@@ -234,7 +235,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   options.entropic_prior.weight = 1.0;
   options.entropic_prior.phi = priors;
   options.gap_tolerance = 1e-7;
-  // The method of multipliers: the violation of the torques' rows is added to their right side.
+  // Method of multipliers: the violation of the torques' rows is added to their right side.
   FeasibleResult found;
   VectorXd wanted = rows.b;
   for (int turn = 0; turn < kTurns; ++turn) {
@@ -242,8 +243,8 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
     found = solve_feasible_least_squares(problem, options);
     wanted += rows.b - rows.A * found.x;
   }
-  // Corrects rounding by the shortest step, in the prior's units, that restores the torques. A rotor
-  // inertia near zero is set to zero.
+  // Corrects rounding by the shortest step, in the prior's units, that restores the torques. A rotor inertia
+  // near zero is set to zero.
   VectorXd x = found.x;
   VectorXd step_scale = scale;
   for (Eigen::Index j = of_bodies; j < columns; ++j) {
@@ -288,8 +289,8 @@ std::map<std::string, std::string> remarks_on(const PortableModel& model) {
   return out;
 }
 
-// [m] radius of gyration of a body that is known as a point, such as a diagnosed load: simulators
-// refuse bodies without inertia. A kilogram gets 1e-6 kg m^2, below the resolution of any arm's torques.
+// [m] radius of gyration of a body without size, such as a diagnosed load, since simulators refuse bodies
+// without inertia. A kilogram gets 1e-6 kg m^2, below the resolution of any arm's torques.
 constexpr double kPointRadius = 1e-3;
 
 Model with_sizes_of_points(const Model& arm) {

@@ -67,7 +67,7 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
     try {
       facts = pass([&queue](const Segment& s) { queue.put(s); });
     } catch (const ReaderStopped&) {
-      // The visitor's exception is rethrown instead, since it has the reason.
+      // The exception of the visitor is rethrown instead, since it has the reason.
     } catch (...) {
       failed = std::current_exception();
     }
@@ -76,7 +76,7 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitSegment& visit) 
   try {
     reader = std::thread(read);
   } catch (const std::system_error&) {
-    return pass(visit);  // no memory for another thread: one after the other
+    return pass(visit);  // no memory for another thread: reads and visits in turn
   }
   std::exception_ptr of_visitor;
   try {

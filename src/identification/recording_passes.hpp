@@ -8,13 +8,13 @@
 
 namespace veridyn {
 
-/// Recordings of training and held-out ones with the errors of an identification's parameters.
+/// Training and held-out recordings with the errors of an identification's parameters.
 struct MeasuredRecordings {
   std::vector<CompressedRecording> held_out;  ///< facts only
   std::vector<MeasuredRecording> train, test;
 };
 
-/// The two passes over recordings that an identification makes: here on this machine.
+/// The two passes over recordings of an identification; this implementation runs on one machine.
 class RecordingPasses {
  public:
   virtual ~RecordingPasses() = default;
@@ -27,7 +27,7 @@ class RecordingPasses {
                                      const Identification& id) const;
 };
 
-/// identify_compressed() and validate() with other passes.
+/// identify_compressed() and validate() with these passes.
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train, const std::vector<std::string>& test,
                                    const IdentificationOptions& options, const RecordingPasses& passes);

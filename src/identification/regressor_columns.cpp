@@ -81,7 +81,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Segment& s, Joints joi
   return Y;
 }
 
-// Columns of an effect along its axis; computes the load of the bodies when the first one needs it.
+// Columns of an effect along its axis; the load of the bodies is computed when the first effect needs it.
 MatrixXd RegressorColumns::columns_of(const EffectTerm& term, const Segment& s, MatrixXd& load) const {
   const EffectFacts effect(arm_, term);
   const MotionView motion(s.time, s.q, s.dq, s.ddq);
@@ -109,8 +109,8 @@ MatrixXd RegressorColumns::torque(const Segment& s, const VectorRef& values) con
   return tau;
 }
 
-// Columns of sensor errors: derivatives of the torque predicted by the arm's own values. Calls
-// put(e, i, columns) for every joint on which such an effect e acts.
+// Columns of sensor errors: derivatives of the torque that the arm's own values predict. Calls put(e, i,
+// columns) for every joint i on which such an effect e acts.
 template <typename Put>
 void RegressorColumns::for_channel_errors(const Segment& s, const Put& put) const {
   const auto phi = arm_.inertial_values();
@@ -159,7 +159,7 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Segment& s,
   const int step = decimation(options_, s.dt);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    // Decimates on the time grid, so that the start of a segment does not matter.
+    // Decimates on the time grid, so that the result does not depend on where a segment starts.
     const long index = std::lround((s.time[k] - s.start) / s.dt);
     if (s.use[k] == 0 || index % step != 0) continue;
     if (is_excluded(static_cast<int>(joint), s.time[k] - s.start)) continue;
@@ -205,7 +205,7 @@ std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) c
       const int own = of_joint_[i][p];
       const StandardParameter& parameter = parameters_[own];
       const auto column = static_cast<Eigen::Index>(p);
-      if (parameter.fixed) {  // facts move to the right-hand side
+      if (parameter.fixed) {  // known values move to the right-hand side
         b -= parameter.value * mine.col(column);
         continue;
       }

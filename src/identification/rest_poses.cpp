@@ -14,7 +14,7 @@ namespace {
 
 RecordingOptions reading_poses(const Model& arm, const PreprocessingOptions& how, double rate) {
   RecordingOptions reading = recording_options_for(arm, how);
-  if (reading.rate <= 0.0) reading.rate = rate;  // of a file without time
+  if (reading.rate <= 0.0) reading.rate = rate;  // rate of a file without time
   reading.first_row = how.first_row;
   reading.row_count = how.row_count;
   return reading;
@@ -26,7 +26,8 @@ bool are_signs(const MatrixXd& m) {
   return (m.array() == 0.0 || m.array().abs() == 1.0 || m.array().isNaN()).all();
 }
 
-// Torques and positions as they are, not as sensors show them; rows with gaps are left out.
+// True torques and positions from the recorded ones, with the errors of the sensors removed; rows with gaps
+// are dropped.
 Recording corrected(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   require(r.joints() == n, r.source, ": found ", r.joints(), " joints, expected the ", n, " of robot '",
@@ -57,8 +58,8 @@ Recording corrected(const Model& arm, const Recording& r) {
   return rows;
 }
 
-// One pose for each segment without motion. A missing velocity does not count as rest; and where rows
-// were left out, or recordings joined, another position begins another pose with an unknown approach.
+// One pose for each segment without motion. A missing velocity does not count as rest. Where rows were
+// excluded, or recordings joined, another position begins another pose with an unknown approach.
 RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   const auto still = [&](int j) {
@@ -135,7 +136,7 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
   Recording piece = rows.next(identifying::kRestPiece);
   if (piece.rows() == 0 || piece.dq.size() == 0) return false;
   const Eigen::RowVectorXd first = piece.q.row(0);
-  bool one_pose = true;  // which does not determine gravity
+  bool one_pose = true;  // one pose alone does not determine gravity
   while (piece.rows() > 0 && all_zero(piece.dq)) {
     one_pose = one_pose && all_zero(piece.q.rowwise() - first);
     piece = rows.next(identifying::kRestPiece);

@@ -12,7 +12,7 @@ namespace veridyn {
 std::vector<std::string> still_joints(const Model& arm,
                                       const std::vector<CompressedRecording>& recordings);
 
-/// Reason why recordings do not determine the base parameters of their arm: joints that never move,
+/// Reason for which recordings do not determine the base parameters of their arm: joints that never move,
 /// else the number of determined parameters. Empty if all are determined.
 /// @param arm_base   of the arm. @param data_base  of the recordings' factor.
 std::string shortfall(const BaseParameters& arm_base, const BaseParameters& data_base,

@@ -22,14 +22,14 @@
 namespace veridyn {
 namespace {
 
-// Sets quantities that sums of squares do not determine to NaN.
+// Sets the quantities that do not follow from sums of squares to NaN.
 PredictionError only_relative(PredictionError error) {
   error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
   error.moving_relative.setConstant(std::numeric_limits<double>::quiet_NaN());
   return error;
 }
 
-// Errors on the rows of factors whose samples are elsewhere: sums of squares only.
+// Errors from factors alone, where samples are not available: sums of squares only.
 ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
                         const VectorXd& values, RecordingError& out) {
   std::unordered_map<std::string, Eigen::Index> index;

@@ -52,9 +52,9 @@ VectorXd fall_of_errors(const Identification& before, const Identification& afte
 
 VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
                                  double least,
-                                 const std::function<Identification(const std::set<int>&)>& look) {
+                                 const std::function<Identification(const std::set<int>&)>& refit) {
   for (int round = 0; round < 2 && !candidates.empty(); ++round) {
-    Identification derived = look(candidates);
+    Identification derived = refit(candidates);
     if (!derived.model) break;
     const VectorXd gain = fall_of_errors(before, derived);
     std::set<int> better;

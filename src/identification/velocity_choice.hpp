@@ -12,11 +12,11 @@
 
 namespace veridyn {
 
-/// ln(mean square) per joint on the training recordings, over the fitted rows, (n).
+/// ln(mean square) of each joint's error (n), over the fitted rows of the training recordings.
 VectorXd log_training_errors(const Identification& id);
 
-/// Decrease of these errors per joint, on the fitted rows and on the rows as recorded: the
-/// derivative across late rows may be worse where they are not repaired.
+/// Decrease of these errors (n), the smaller one of that on the fitted rows and that on the rows as recorded:
+/// across late rows that are not repaired, the derivative of the position may be worse.
 VectorXd fall_of_errors(const Identification& before, const Identification& after);
 
 /// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
@@ -25,34 +25,33 @@ struct VelocityChoice {
   std::optional<Identification> fit;
 };
 
-/// The candidates whose torque is predicted better by more than `least` with derived velocities:
-/// tried all together first, then those that improve by themselves.
+/// Chooses the candidates whose torque is predicted better by more than `least` with derived velocities:
+/// all of them together or, if some do not improve, once more the others.
 ///
-/// @param before  the fit without any of them.
-/// @param look    computes the fit with derived velocities of these joints.
+/// @param before  the fit without derived velocities.
+/// @param refit   computes the fit with derived velocities of these joints.
 VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
                                  double least,
-                                 const std::function<Identification(const std::set<int>&)>& look);
+                                 const std::function<Identification(const std::set<int>&)>& refit);
 
-/// The rows of a recording from which quick_quality() judges it.
+/// The rows of a recording on which quick_quality() is based.
 RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& how);
 
-/// Quality of the first rows of each recording, sufficient for units and noise; empty if it cannot
-/// be read, which a later step reports.
+/// Quality of the first rows of each recording, sufficient for units and noise; empty if the file cannot be
+/// read, which a later step reports.
 std::vector<RecordingQuality> quick_quality(const Model& arm, const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads);
 
-/// Takes the velocities of these joints from the position, in training and in held-out recordings.
+/// Derives the velocities of these joints from the position, in training and in held-out recordings.
 void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 
-/// Judges the velocities by the first rows of these recordings. Empty if the choice was made already:
-/// a source of the velocities, joints, filtered signals, or how.choose_velocities is off.
+/// Assesses the velocities by the first rows of these recordings. Empty if the choice has been made: by a
+/// source of velocities, chosen joints or filtered signals in the options, or how.choose_velocities = false.
 VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
                                   const IdentificationOptions& how);
 
-/// Repeats a fit with velocities derived from the position for those doubted joints at which that
-/// predicts the torque better, and one that recordings with wrong velocities did not determine;
-/// identify() on one machine and on many.
+/// Repeats a fit with derived velocities for those doubtful joints whose torque they predict better, and a
+/// fit that failed because of wrong velocities; used by identify() on one machine and on many.
 ///
 /// @param again  repeats it with other options. @returns  the better fit, with remarks.
 Identification with_chosen_velocities(
@@ -60,9 +59,9 @@ Identification with_chosen_velocities(
     IdentificationOptions how,
     const std::function<Identification(const IdentificationOptions&)>& again);
 
-/// Replaces the velocities of a joint by those derived from its position, in `how`, if the velocities
-/// of any of these recordings are wrong (trust_in_velocities).
-/// @returns  the joints concerned.
+/// Switches the joints whose velocities are wrong in any of these recordings (trust_in_velocities) to derived
+/// velocities, in `how`.
+/// @returns  these joints.
 std::set<int> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// Frames that the dynamics need: those with bodies and all moving frames above them.
+// Marks the frames that the dynamics need: those with bodies, and all moving frames above them.
 std::vector<char> needed_frames(const Model& arm) {
   std::vector<char> needed(arm.frames().size(), 0);
   for (int k = static_cast<int>(arm.frames().size()) - 1; k >= 0; --k) {
@@ -29,8 +29,8 @@ std::vector<JointCoefficient> terms_of(const Axis& axis) {
   return terms;
 }
 
-// Makes right angles exact, and offsets along an axis: cos(pi/2) is 6e-17 in doubles, and generated
-// code would have to multiply by it.
+// Makes right angles, and offsets along an axis, exact: cos(pi/2) is 6e-17 in doubles, by which generated
+// code would have to multiply.
 Posed snapped(Posed T) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   for (Vec3d* row : {&T.R.row0, &T.R.row1, &T.R.row2}) {

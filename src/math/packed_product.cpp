@@ -7,14 +7,14 @@
 namespace veridyn {
 namespace {
 
-// Multiplications of a product from which AVX-512 is taken. Taken always, it costs 1.11 of AVX2's time in
-// a feasible fit of three bodies, whose largest products are 30 x 30 x 30, and 0.84 in one of 30 bodies;
-// so, fits of 3, 10, 30 and 100 bodies take 0.99, 0.99, 0.95 and 0.77.
+// Smallest number of multiplications for which AVX-512 is used. If it were always used, a feasible fit of
+// three bodies, whose largest products are 30 x 30 x 30, would take 1.11 of the time with AVX2, and one of 30
+// bodies 0.84; with this threshold fits of 3, 10, 30 and 100 bodies take 0.99, 0.99, 0.95 and 0.77.
 [[maybe_unused]] constexpr long kWideFrom = 30 * 30 * 30 + 1;
 
 using PackedProduct = void (*)(const PackedBlocks&);
 
-// Null where the processor is not wider than the build.
+// Null if the processor has no wider vectors than the build.
 [[maybe_unused]] PackedProduct product_for(InstructionSet wanted) {
   const InstructionSet isa = std::min(wanted, widest_instruction_set());
   if (isa >= InstructionSet::kAvx512 && packed_product_avx512() != nullptr) return packed_product_avx512();
@@ -24,9 +24,8 @@ using PackedProduct = void (*)(const PackedBlocks&);
 }  // namespace
 }  // namespace veridyn
 
-// The innermost product of all products and solutions, of which decompositions.hpp declares that it is
-// compiled elsewhere: here, in a file that does not see that declaration, because it comes too late for
-// a specialization.
+// The innermost product of all products and solutions. decompositions.hpp declares it as compiled elsewhere:
+// it is compiled here, in a file that does not see that declaration, after which a specialization is an error.
 namespace Eigen {
 #if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 90)
 namespace internal {
@@ -37,8 +36,8 @@ template <typename I>
 using Gebp = gebp_kernel<double, double, I, Blocks<I>, gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false, false>;
 
 #if defined(__SSE2__) && !defined(__AVX__)
-// Where the processor is wider than the two lanes of this build, the kernel compiled for it; else
-// Eigen's own, under another type of index.
+// If the processor has more than the two lanes of this build, this calls the kernel compiled for it; else
+// Eigen's own, under another index type.
 template <>
 EIGEN_DONT_INLINE void Gebp<Index>::operator()(const Blocks<Index>& res, const double* A,
                                                const double* B, Index rows, Index depth, Index cols,

@@ -55,7 +55,7 @@ template <int kJoined, int kColumns>
 inline void all_rows(const PackedBlocks& m, long column) {
   long row = 0;
   for (; row + 12 * kJoined <= m.rows; row += 12 * kJoined) multiply<4, kJoined, 3, kColumns>(m, row, column);
-  // Few sums wait for one another: at least eight go side by side.
+  // At least eight sums are computed at the same time, so that they do not wait for each other.
   for (; kColumns < 8 && row + 12 <= m.rows; row += 12) multiply<4, 1, 3, kColumns>(m, row, column);
   for (; row + 4 * kJoined <= m.rows; row += 4 * kJoined) multiply<4, kJoined, 1, kColumns>(m, row, column);
   for (; row + 4 <= m.rows; row += 4) multiply<4, 1, 1, kColumns>(m, row, column);

@@ -40,7 +40,7 @@ void parallel_for(int count, int threads, const std::function<void(int)>& body) 
   try {
     for (int w = 1; w < workers; ++w) pool.emplace_back(work);
   } catch (const std::system_error&) {
-    // Fewer threads than wanted do the same work.
+    // Fewer threads than wanted give the same result.
   } catch (const std::bad_alloc&) {
   }
   work();

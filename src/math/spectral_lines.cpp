@@ -10,7 +10,7 @@ std::vector<double> line_amplitudes(const std::vector<double>& places, const std
                                     double first, double step, size_t count) {
   const auto n = static_cast<Eigen::Index>(places.size());
   const Eigen::Map<const Eigen::ArrayXd> s(places.data(), n), r(values.data(), n);
-  // Each frequency's terms are those of the one before, turned by exp(-i step s).
+  // The terms of each frequency are those of the previous one, rotated by exp(-i step s).
   const Eigen::ArrayXd turn_re = (step * s).cos();
   const Eigen::ArrayXd turn_im = -(step * s).sin();
   Eigen::ArrayXd re = r * (first * s).cos();

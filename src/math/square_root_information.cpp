@@ -14,9 +14,9 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kBlockRows = 256;  // rows of a block: 60 columns are half of a 256 KiB cache
-// A factor of at least so many columns keeps few rows without factoring them. Triangles of fewer columns are small, and they are equal to the
-// last bit with and without a file in between.
+constexpr Eigen::Index kBlockRows = 256;  // rows of a block: with 60 columns half of a 256 KiB cache
+// Number of columns from which a factor stores its first rows without factoring them. Smaller triangles need
+// little memory, and are equal to the last bit with and without a file in between.
 constexpr int kManyColumns = 128;
 
 }  // namespace
@@ -59,8 +59,8 @@ class SquareRootInformation::Triangle {
     for (Eigen::Index i = 0; i < values.size(); ++i) to[i * stride_] = values[i];
   }
 
-  // Rotates the first rows of the block into the triangle. begin(i) is the first column of row i that may differ from
-  // zero; it must not fall with i.
+  // Rotates the first rows of the block into the triangle. begin(i) is the first column of row i that may
+  // differ from zero; it must not decrease with i.
   template <typename Begin>
   void update(Eigen::Index rows, const Begin& begin) {
     thread_local std::vector<int> begun;
@@ -119,7 +119,8 @@ bool SquareRootInformation::may_defer_factorization(Eigen::Index more) const {
   return !is_triangle() && size() >= kManyColumns && 2 * (stored_rows() + more) <= size();
 }
 
-// Allocates so many rows: size() of them make a triangle. Rows that were kept as they are stay, a triangle does not.
+// Allocates this number of rows: size() of them form a triangle. Rows that are stored unfactored are kept; a
+// triangle is not.
 void SquareRootInformation::resize(Eigen::Index rows) {
   data_.conservativeResize(rows < size() ? rows * size() : size() * (size() + 1L) / 2);
   z_.conservativeResize(rows);
@@ -180,7 +181,7 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
   merge_known(other, weight);
 }
 
-// Indices of the columns of another factor in this one; -1 for a column that this one does not have.
+// Index in this factor of every column of another one; -1 if this one does not have it.
 std::vector<int> SquareRootInformation::places_of(const SquareRootInformation& other) const {
   std::vector<int> place(static_cast<size_t>(other.size()), -1);
   if (columns_ == other.columns_ || columns() == other.columns()) {
@@ -197,7 +198,7 @@ std::vector<int> SquareRootInformation::places_of(const SquareRootInformation& o
 }
 
 void SquareRootInformation::merge_known(const SquareRootInformation& other, double weight) {
-  const std::vector<int> place = places_of(other);  // of its columns
+  const std::vector<int> place = places_of(other);  // places of its columns
   const Eigen::Index count = other.stored_rows();
   rows_ += other.rows_;
   rho2_ += weight * weight * other.rho2_;
@@ -214,10 +215,10 @@ void SquareRootInformation::merge_known(const SquareRootInformation& other, doub
     resize(before + count);
     data_.tail(count * size()).setZero();
     for (Eigen::Index i = 0; i < count; ++i) fill(i, row(before + i).data());
-    z_.tail(count) = weight * other.z_.head(count);  // other may be this one
+    z_.tail(count) = weight * other.z_.head(count);  // other may be *this
     return;
   }
-  // Row i begins at the first of its columns: in a triangle the beginnings are non-decreasing.
+  // Row i begins at its first column that this factor has: in a triangle these do not decrease.
   std::vector<int> begin(place.size() + 1, size());
   for (size_t j = place.size(); j-- > 0;) begin[j] = place[j] < 0 ? begin[j + 1] : std::min(begin[j + 1], place[j]);
   const double more = rho2_;

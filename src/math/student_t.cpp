@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-// std::lgamma() keeps the sign in a variable that all threads share.
+// std::lgamma() stores the sign in a variable that all threads share.
 double log_gamma(double x) {
   int sign = 0;
   return ::lgamma_r(x, &sign);

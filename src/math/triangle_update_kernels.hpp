@@ -51,9 +51,9 @@ struct TriangleLoops {
     add_up(sum, d);
   }
 
-  // Computes row -= row[j] * w, and d = sum of row[j + 1] * row over the new rows. The new row[j + 1] is read back and not
-  // computed a second time: where a column cancels but for rounding, the reflection consists of that rounding, and a
-  // compiler that fuses one of the two computations and not the other would make it no reflection.
+  // Computes row -= row[j] * w, and d = sum of row[j + 1] * row over the new rows. The new row[j + 1] is read
+  // from memory and not computed twice: if a column cancels except for rounding, the reflection consists of
+  // that rounding, and a compiler that fuses only one of the two computations would make it no reflection.
   static void reflect_within(double* A, long stride, int rows, int j, const double* w, double* d) {
     P change[kAcross];
     for (int a = 0; a < kAcross; ++a) change[a] = load(w + a * P::kSize);

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// The axis without the fixed coordinates, whose share goes into its offset.
+// The axis without the fixed coordinates, whose contribution goes into its offset.
 Axis reduced(const Axis& axis, const VectorXd& position, const std::vector<int>& kept) {
   Axis out;
   out.offset = axis.offset;

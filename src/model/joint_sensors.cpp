@@ -62,7 +62,7 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
       crosstalk_(j, from) = share;
     }
   }
-  // LU without pivoting, which is stable where the shares of each row add up to less than one.
+  // LU without pivoting, which is stable if the shares in each row sum to less than one.
   for (Eigen::Index k = 0; k < crosstalk_.rows(); ++k) {
     require(std::abs(crosstalk_(k, k)) > kSmallestPivot,
             "JointSensors: found a torque crosstalk that leaves nothing of the torque of joint ", k + 1,

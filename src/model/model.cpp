@@ -48,10 +48,10 @@ void place(Frame& frame, const DhRow& dh) {
 
 namespace {
 
-// Squares of torques, and sums of them, must stay numbers: a file that was written in other units or is broken is refused here.
+// Squares and sums of torques must remain finite: a file in other units, or a damaged one, is rejected here.
 constexpr double kLargestNumber = 1e9;
 
-bool is_small(double x) { return std::abs(x) <= kLargestNumber; }  // and no NaN
+bool is_small(double x) { return std::abs(x) <= kLargestNumber; }  // false for NaN
 bool is_small(const Vec3<double>& p) { return is_small(p.x) && is_small(p.y) && is_small(p.z); }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-/// No arm has positions, speeds or torques of this size or beyond: such numbers are damaged.
+/// No arm has positions, speeds or torques of this size: such numbers come from damaged files.
 constexpr double kAbsurd = 1e6;
 
 }  // namespace veridyn

@@ -7,7 +7,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kStillShare = 0.2;  // share of the displacement by which a joint at rest may creep
-constexpr double kJumpShare = 5.0;   // displacements between two rows that indicate a new start
+constexpr double kJumpShare = 5.0;   // displacements between two rows that mark a new start
 constexpr double kStartsBelow = 0.6;  // share of the effort at the onset below which a ramp starts
 constexpr double kWindow = 0.05;      // [s] on either side, for means of effort and speed
 constexpr double kLeapShare = 0.7;    // share of the effort at the onset that counts as a leap
@@ -33,8 +33,7 @@ bool slides(const VectorXd& time, const VectorXd& q, const Ramp& ramp, Eigen::In
   return w.to > w.from && std::abs(q[w.to] - q[w.from]) > speed * (time[w.to] - time[w.from]);
 }
 
-// The row at which a joint that has left its rest by row k started to slide; ramp.end if it did
-// not.
+// The row at which sliding began, for a joint that has left its rest by row k; ramp.end if it did not slide.
 Eigen::Index onset_of(const VectorXd& time, const VectorXd& q, const Ramp& ramp, Eigen::Index k,
                       double speed) {
   if (!slides(time, q, ramp, k, speed)) {

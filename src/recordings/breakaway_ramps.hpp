@@ -24,16 +24,16 @@ struct RampThresholds {
 /// Default thresholds: 10 mrad or 1 mm, 50 mrad/s or 5 mm/s, 0.5 s.
 RampThresholds ramp_thresholds(const Coordinate& joint);
 
-/// The ramps of a joint: rests that end in sliding. A jump of the position (a new start) ends a
-/// ramp; a leap of the effort begins a new one. Ramps start low: rests with an effort above 60 % of
-/// the onset are pauses. Rests against an end stop are excluded.
+/// The ramps of a joint: rests that end in sliding. A jump of the position (a new start) ends a ramp; a
+/// sudden rise of the effort begins a new one. A ramp has to begin at a low effort: rests with more than 60 %
+/// of the effort at the onset are pauses. Rests against an end stop are excluded.
 std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, const VectorXd& q,
                              const VectorXd& tau, const RampThresholds& limit);
 
-/// Share of the rows at which the joint slides, by its positions a tenth of a second apart.
+/// Share of the rows in which the joint slides, by positions a tenth of a second apart.
 double sliding_share(const VectorXd& time, const VectorXd& q, double speed);
 
-/// The mean effort of a tenth of a second around row k.
+/// Mean effort over a tenth of a second around row k.
 double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
 
 }  // namespace veridyn

@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kPause{20};
 
 GrowingRecording::GrowingRecording(const std::string& path, const RecordingOptions& options,
                                    std::function<bool()> go_on) {
-  const bool pipe = path == "-";  // a pipe ends for good; a file may still grow
+  const bool pipe = path == "-";  // the end of a pipe is final; a file may still grow
   const auto wait = [pipe, go_on = std::move(go_on)] {
     if (pipe || !go_on()) return false;
     std::this_thread::sleep_for(kPause);

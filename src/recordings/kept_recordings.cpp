@@ -19,13 +19,13 @@ namespace veridyn {
 
 namespace internal {
 
-// Values that are made once for each key, by the first caller, while there is room.
+// Values that are computed once for each key, by the first caller, as long as there is memory for them.
 template <typename Key, typename Made>
 class MadeOnce {
  public:
   explicit MadeOnce(long most_bytes) : bytes_left_(most_bytes) {}
 
-  // @param bytes  that it takes; below zero: it cannot be kept.
+  // @param bytes  memory that the value needs; negative: it cannot be kept.
   template <typename Bytes, typename Make>
   std::shared_ptr<const Made> find(const Key& key, const Bytes& bytes, const Make& make) {
     std::promise<std::shared_ptr<const Made>> promise;
@@ -57,7 +57,7 @@ class MadeOnce {
     }
   }
 
-  // The value if it has been made; else null.
+  // The value if it has been computed; else null.
   std::shared_ptr<const Made> find_made(const Key& key) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = all_.find(key);
@@ -77,7 +77,7 @@ class MadeOnce {
 struct KeptRecordings::State {
   explicit State(long most_bytes)
       : recordings(most_bytes), prepared(most_bytes), qualities(most_bytes) {}
-  internal::MadeOnce<std::string, Whole> recordings;  // by path and how it is read
+  internal::MadeOnce<std::string, Whole> recordings;  // by path and reading options
   internal::MadeOnce<PreparationKey, PreparedRecording> prepared;
   internal::MadeOnce<std::string, RecordingQuality> qualities;
   RowsOnDisk on_disk;
@@ -119,7 +119,7 @@ std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOpti
   return whole;
 }
 
-// All rows of a file, if it is kept.
+// All rows of a file, if they are in memory.
 std::shared_ptr<const Whole> whole_file(const std::string& path, const RecordingOptions& options,
                                         KeptRecordings* kept) {
   if (kept == nullptr) return nullptr;
@@ -168,7 +168,7 @@ PreparationKey preparation_key(const Model& arm, const std::string& recording,
     const RecordedChannel& shown = c.recorded;
     numbers.insert(numbers.end(), {shown.position_offset, shown.torque_gain, shown.torque_delay, c.drive_gain});
     for (const auto& [from, share] : shown.torque_crosstalk) numbers.insert(numbers.end(), {1.0 * from, share});
-    numbers.push_back(-1.0);  // the end of this joint's numbers
+    numbers.push_back(-1.0);  // separates the numbers of two joints
   }
   std::vector<int> choices = o.derive_velocity_of;
   std::sort(choices.begin(), choices.end());
@@ -180,7 +180,7 @@ PreparationKey preparation_key(const Model& arm, const std::string& recording,
   return {key_of(recording, reading), std::move(numbers), std::move(choices)};
 }
 
-// A pass over the text, which stores the rows for coming passes if it reads all of them.
+// A pass over the text, which stores the rows for later passes if it reaches the end.
 OpenedRows KeptRecordings::stored_rows(const std::string& path, const RecordingOptions& options) {
   RecordingOptions all = options;
   all.row_count.reset();

@@ -10,17 +10,17 @@
 
 namespace veridyn {
 
-/// An open recording: a function for its next rows (none at the end), and the facts found by
-/// reading; remarks on rows are complete at the end.
+/// An open recording: a function for its next rows (none at the end), and the facts found while reading; the
+/// remarks on rows are complete at the end.
 struct OpenedRows {
   std::function<Recording(int)> next;
   std::function<RecordingFacts()> facts;
 };
 
-/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their
-/// prepared forms, up to as many bytes; rows of others are in RowsOnDisk. Pipes are always kept. Code
-/// that reads the same recordings many times creates one and passes it on in
-/// PreprocessingOptions::kept. Threads may share it.
+/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their prepared
+/// forms, up to as many bytes; rows of other files are in RowsOnDisk. Pipes are always kept. Code that reads
+/// the same recordings many times creates one and passes it on in PreprocessingOptions::kept. Threads may
+/// share it.
 class KeptRecordings {
  public:
   static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
@@ -31,7 +31,7 @@ class KeptRecordings {
   KeptRecordings(const KeptRecordings&) = delete;
   KeptRecordings& operator=(const KeptRecordings&) = delete;
 
-  /// The parsed recording, filled by the first caller; null if it is not to be kept.
+  /// The parsed recording, read by the first caller; null if it does not fit.
   struct Whole {
     Recording rows;
     RecordingFacts facts;
@@ -46,13 +46,12 @@ class KeptRecordings {
   std::shared_ptr<const RecordingQuality> known_quality(const std::string& path,
                                                         const RecordingOptions& options);
 
-  /// A recording in memory, prepared by the first caller; null if it is not to be kept. @param
-  /// bytes  of memory that it will take. @throws  the exceptions of make(), which the next caller
-  /// repeats.
+  /// A recording in memory, prepared by the first caller; null if it does not fit.
+  /// @param bytes  memory that it needs. @throws  the exceptions of make(); the next caller tries again.
   std::shared_ptr<const PreparedRecording> prepared(const PreparationKey& key, long bytes,
                                                     const std::function<PreparedRecording()>& make);
 
-  /// A pass over a recording that is not kept in memory, by its text or by RowsOnDisk.
+  /// A pass over a recording that is not in memory, from its text or from RowsOnDisk.
   /// The object must outlive it.
   OpenedRows stored_rows(const std::string& path, const RecordingOptions& options);
 
@@ -61,12 +60,12 @@ class KeptRecordings {
   std::unique_ptr<State> state_;
 };
 
-/// The rows of a file, from memory if it is kept and options.row_count includes all of them.
+/// The rows of a file, from memory if the file is kept and options.row_count includes all rows.
 /// @throws InvalidInput  as RecordingReader.
 OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
                      KeptRecordings* kept = nullptr);
 
-/// Like read_recording(), from memory where the file is kept.
+/// Like read_recording(), from memory if the file is kept.
 Recording read_rows(const std::string& path, const RecordingOptions& options,
                     KeptRecordings* kept);
 

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// Recordings of a call by name; those in memory are stored in the options' `in_memory`, which both
+/// Names of the recordings of a call; those in memory are stored in the options' `in_memory`, which both
 /// lists of recordings share.
 template <typename Options>
 struct NamedRecordings {
@@ -25,8 +25,7 @@ struct NamedRecordings {
   }
 };
 
-/// Parses files once and keeps them in memory, up to `most_bytes` of text in total; a caller that
-/// has set `kept` does so already.
+/// Keeps parsed files in memory, up to `most_bytes` of text in total, unless the caller has set `kept`.
 template <typename Options>
 void keep_recordings(Options& how, long most_bytes) {
   if (!how.preprocessing.kept)
@@ -34,7 +33,7 @@ void keep_recordings(Options& how, long most_bytes) {
   if (how.test_preprocessing) how.test_preprocessing->kept = how.preprocessing.kept;
 }
 
-/// Removes recordings in memory and callbacks from the options inside a result, which would keep
+/// Removes recordings in memory and callbacks from the options inside a result, which would otherwise keep
 /// them alive.
 template <typename Result>
 void drop_recordings(Result& result) {

@@ -8,21 +8,21 @@
 
 namespace veridyn {
 
-/// A recording as the equations of motion take it under one setting: resampled, filtered and
-/// differentiated. All passes after the first visit these segments.
+/// A recording prepared for the equations of motion under one setting: resampled, filtered and
+/// differentiated. All passes after the first one visit these segments.
 struct PreparedRecording {
   std::vector<Segment> segments;
   PreparationFacts facts;
 };
 
-/// Key of a prepared recording: the recording and the reading options, what the arm's model knows
-/// of its sensors, and the settings of the preprocessing. What is left out, slow rows and the
-/// decimation count later, row by row.
+/// Key of a prepared recording: the recording and the reading options, the properties of the arm's sensors,
+/// and the settings of the preprocessing. Excluded intervals, slow rows and the decimation are applied later,
+/// row by row, and are not part of it.
 using PreparationKey = std::tuple<std::string, std::vector<double>, std::vector<int>>;
 PreparationKey preparation_key(const Model& arm, const std::string& recording,
                                const PreprocessingOptions& options);
 
-/// How many recordings were resampled and filtered since the program began.
+/// Number of recordings that were resampled and filtered since the program began.
 long recordings_prepared();
 
 }  // namespace veridyn

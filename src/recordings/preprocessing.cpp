@@ -15,17 +15,18 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kCore = 4096;  // samples of one segment, at least
+constexpr Eigen::Index kCore = 4096;  // smallest number of samples in one segment
 // Keeps the share of samples that are filtered twice small.
 constexpr Eigen::Index kCorePerHalo = 3;
 constexpr double kHaloRemainder = 1e-9;  // remainder of the filter's transient at the core
 constexpr Eigen::Index kDerivatives =
     4;  // samples on either side that two central differences use
-constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a segment, with the rows around its core
+constexpr double kPreparedBytes = 1.5 * sizeof(double);  // bytes for each number of a segment, with the rows around its core
 
 std::atomic<long> g_prepared{0};
 
-// Share of the sampling rate: a cut-off nearer to zero or to half the rate settles for more samples than any recording has.
+// Share of the sampling rate: with a cut-off closer to zero, or to half the rate, the transient is longer
+// than any recording.
 constexpr double kSlowestCutoff = 1e-5;
 /// sampling rate < kSlowClock [Hz]: times are more likely milliseconds than seconds.
 constexpr double kSlowClock = 1.5;
@@ -56,7 +57,7 @@ struct Filters {
   }
 };
 
-// Samples near invalid ones depend on interpolation and are excluded as well.
+// Marks samples near invalid ones, which depend on interpolation, as invalid too.
 std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   std::vector<char> use(sound.size(), 1);
   const auto n = static_cast<Eigen::Index>(sound.size());
@@ -69,7 +70,7 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   return use;
 }
 
-// Shifts delayed torques forward.
+// Removes the delays of recorded torques.
 void undo_delays(const JointSensors& sensors, double dt, MatrixXd& tau) {
   for (int j = 0; j < sensors.joints(); ++j) {
     if (sensors.torque_delay(j) == 0.0) continue;
@@ -125,11 +126,12 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   const Filters filters(o, dt, name);
   PreparationFacts facts;
   facts.dt = dt;
-  // Number of samples to read ahead: the filters settle, and the end to drop is known.
+  // Number of samples to read ahead: the filters have to settle, and the samples to cut at the end must be
+  // known.
   const Eigen::Index ahead =
       std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
   const Eigen::Index core = std::max(kCore, kCorePerHalo * filters.halo);
-  Eigen::Index behind = 0;  // settled samples kept in front of the core
+  Eigen::Index behind = 0;  // samples before the core in which the filters have settled
   Eigen::Index discard = 0;
   while (true) {
     if (o.interrupted && o.interrupted()) throw Interrupted();
@@ -164,7 +166,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   return facts;
 }
 
-// A recording in memory under the name that options and messages use.
+// Visits the stretches of a recording in memory, under the name that options and messages use.
 PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
                                      const Recording& recording,
                                      const PreprocessingOptions& options,
@@ -213,7 +215,7 @@ RecordingOptions recording_options_for(const Model& arm, const PreprocessingOpti
 
 namespace {
 
-// Bytes of all segments of a recording of so many rows; negative: they are not to be kept.
+// Memory of all segments of a recording of so many rows [bytes]; negative: they are not kept.
 long prepared_bytes(const Model& arm, const Recording* rows, const PreprocessingOptions& options) {
   if (rows == nullptr || rows->rows() < 2) return -1;
   const double seconds = rows->time[rows->rows() - 1] - rows->time[0];

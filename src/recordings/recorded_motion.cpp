@@ -6,7 +6,7 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kFewest = 20;  // rows of a segment
+constexpr Eigen::Index kFewest = 20;  // smallest number of rows in a segment
 
 }  // namespace
 
@@ -20,7 +20,7 @@ std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& 
   const bool whole = rows.q.allFinite() && rows.dq.allFinite() && rows.ddq.allFinite();
   if (whole && rows.dq.size() == rows.q.size() && rows.ddq.size() == rows.q.size())
     return {{rows.time, rows.q, rows.dq, rows.ddq}};
-  // Torques do not affect the motion, and may be missing.
+  // Torques do not affect the motion and may be missing.
   rows.tau = MatrixXd::Zero(rows.q.rows(), rows.q.cols());
   PreprocessingOptions options;
   options.filtering = Filtering::kSignals;

@@ -9,9 +9,9 @@
 
 namespace veridyn {
 
-/// The motion of an arm in a recording. Accelerations come from the file if it has them (a designed
-/// motion); otherwise positions and velocities are low-passed and differentiated as for an
-/// identification. One motion for every segment without a gap.
+/// The motion of an arm in a recording, in one part for every segment without a gap. Accelerations come from
+/// the file if it has them (a designed motion); otherwise positions and velocities are low-passed and
+/// differentiated as for an identification.
 ///
 /// @param how  options for reading the file (columns, rate, signals) and for selecting its rows.
 /// @throws InvalidInput  the file is bad, or its number of joints differs from the arm's.

@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-// `wanted`, followed by a number if another recording has that name.
+// The name `wanted`, followed by a number if another recording has this name.
 std::string free_name(const std::string& wanted, const RecordingsInMemory& taken) {
   std::string name = wanted;
   for (int k = 2; taken.count(name) > 0; ++k) name = text(wanted, " (", k, ")");

@@ -8,17 +8,17 @@ namespace veridyn {
 namespace {
 
 constexpr double kRestingRange = 5e-3;   // [rad, m] below it a joint does not count
-constexpr double kDeep = 0.02;           // d at a repeat
-// D has to rise above it first, so that the motion has left its start.
+constexpr double kDeep = 0.02;           // largest d of a repeat
+// d has to exceed this before, so that the motion has left its start.
 constexpr double kRisen = 0.25;
 constexpr double kKeptShare = 0.8;       // share of the times
-constexpr double kLongestShare = 0.7;    // share of the duration; the rest has to overlap
+constexpr double kLongestShare = 0.7;    // share of the duration; the rest is the overlap
 constexpr double kCoarsestStep = 0.025;  // [s]
 constexpr int kCoarseRows = 5000;
 constexpr int kSampledTimes = 256;   // instants of an estimate of d
 constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are computed exactly
-constexpr double kSurelyRisen = 0.5;  // estimates up to this times kRisen have not risen
-constexpr double kCap = 8.0;          // speed only: a bound at which samples of an estimate are cut
+constexpr double kSurelyRisen = 0.5;  // estimates below this times kRisen have not risen
+constexpr double kCap = 8.0;          // bound at which samples of an estimate are cut, for speed only
 
 // Positions of the moving joints on an even grid, each with unit variance.
 struct Grid {
@@ -26,7 +26,7 @@ struct Grid {
   MatrixXd q;  // (rows x moving joints)
 };
 
-// Rows from `first` on with complete positions, without rest at either end.
+// Rows from `first` on with complete positions, without rests at either end.
 struct Motion {
   std::vector<double> time;
   MatrixXd q;  // (rows x moving joints)
@@ -91,8 +91,8 @@ Grid resampled(const Motion& motion, double duration, int rows) {
   return grid;
 }
 
-// d(lag), the lag in steps of the grid and not necessarily whole; any number above `most` if it is
-// above.
+// d(lag) for a lag in steps of the grid, not necessarily an integer; if it exceeds `most`, any number above
+// `most`.
 double difference(const Grid& grid, double lag, std::vector<double>* scratch, double most = INFINITY) {
   const int whole = static_cast<int>(lag);
   const double part = lag - whole;
@@ -107,8 +107,8 @@ double difference(const Grid& grid, double lag, std::vector<double>* scratch, do
   }
   const auto kept = static_cast<int>(kKeptShare * rows);
   const double scale = 2.0 * static_cast<double>(grid.q.cols());
-  // The smallest values add up to at least the sum of all, each cut at `cap`, less `cap` for each
-  // value that is not kept.
+  // The sum of the kept, smallest values is at least the sum of all values, each cut at `cap`, minus `cap`
+  // for each value that is not kept.
   const double cap = kCap * most * scale;
   if (most < INFINITY && sum.cwiseMin(cap).sum() > cap * (rows - kept) + most * scale * kept) return INFINITY;
   scratch->assign(sum.data(), sum.data() + rows);
@@ -116,7 +116,7 @@ double difference(const Grid& grid, double lag, std::vector<double>* scratch, do
   return std::accumulate(scratch->begin(), scratch->begin() + kept, 0.0) / (scale * kept);
 }
 
-// d at whole lags, computed on demand: exact up to `most`, which later calls must not exceed.
+// d at integer lags, computed on demand: exact up to `most`, which later calls must not exceed.
 class Differences {
  public:
   explicit Differences(const Grid& grid)
@@ -133,17 +133,16 @@ class Differences {
     return value;
   }
 
-  // True if an estimate of d from kSampledTimes only exceeds `most`. The estimate is a lower bound:
-  // positions are smooth, and samples that all fall on one phase of the motion make d look smaller,
-  // never larger.
+  // True if an estimate of d from kSampledTimes only exceeds `most`. The estimate is a lower bound: positions
+  // are smooth, and samples at one phase of the motion can make d only smaller.
   bool exceeds(double most, int lag) {
     const Eigen::Index columns = rows_.cols();
     const Eigen::Index times = rows_.rows() - lag;
     const Eigen::Index count = std::min<Eigen::Index>(times, kSampledTimes);
     const auto kept = static_cast<Eigen::Index>(kKeptShare * static_cast<double>(count));
     const double most_sum = most * 2.0 * static_cast<double>(columns * kept);
-    // The samples that are kept add up to at least the sum of all, each cut at `cap`, less `cap` for
-    // each that is not kept: most lags are above after a few samples, without sorting.
+    // The bound of difference(), for pairs of samples: most lags exceed `most` after a few samples, without
+    // sorting.
     const double cap = kCap * most * 2.0 * static_cast<double>(columns);
     const double certain = most_sum + cap * static_cast<double>(count - kept);
     double cut_sum = 0.0;
@@ -169,7 +168,7 @@ class Differences {
   std::vector<double> scratch_;
 };
 
-// The smallest lag on a coarse grid that repeats as well as any, in steps; 0: none.
+// The smallest lag, in steps of a coarse grid, at which the motion repeats as well as at any other; 0: none.
 int coarse_period(const Grid& grid) {
   Differences d(grid);
   int lag = 0;

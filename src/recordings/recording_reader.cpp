@@ -40,7 +40,7 @@ class ImportedRows : public recordings::RowSource {
   long end_ = 0;
 };
 
-// Leaves joints out that the arm holds still.
+// Removes joints that the arm holds still.
 class WithoutHeldJoints : public recordings::RowSource {
  public:
   WithoutHeldJoints(std::unique_ptr<recordings::RowSource> whole, const SignalChoice& choice)
@@ -84,11 +84,11 @@ class WithoutHeldJoints : public recordings::RowSource {
   }
 
  private:
-  static constexpr double kHeldStill = 0.01;  // [rad] or [m] from the position at which it is declared to rest
+  static constexpr double kHeldStill = 0.01;  // [rad] or [m] largest distance of a held joint from its declared position
 
   std::unique_ptr<recordings::RowSource> whole_;
   std::vector<HeldJoint> held_;
-  std::vector<std::pair<double, double>> range_;  // of each held joint, about where it is held
+  std::vector<std::pair<double, double>> range_;  // range of each held joint around its declared position
   std::vector<int> kept_;
 };
 
@@ -105,7 +105,7 @@ std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
   return std::make_unique<ImportedRows>(recordings::import_table(std::move(lines), options), options);
 }
 
-// True for what can be opened once: a pipe, a socket, a terminal.
+// True for a source that can be opened only once: a pipe, a socket, a terminal.
 bool is_read_once(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_type type = std::filesystem::status(path, ignored).type();
@@ -113,8 +113,8 @@ bool is_read_once(const std::string& path) {
          type == std::filesystem::file_type::character;
 }
 
-// A held joint may be recorded or not. Which it is shows when the file is read, so that a pipe is taken
-// to have no held joint.
+// Rows of an arm with held joints, which may be recorded or not. This is found by opening the file twice, so
+// that a pipe is assumed to contain no held joint.
 std::unique_ptr<recordings::RowSource> rows_of_arm(const std::string& path, const RecordingOptions& options) {
   const SignalChoice& choice = options.signals;
   if (choice.held.empty() || is_read_once(path)) return rows_in(path, options);

@@ -54,7 +54,7 @@ RowsOnDisk::~RowsOnDisk() {
   if (file_ >= 0) ::close(file_);
 }
 
-// A folder for large files that is on a disk also where /tmp is in memory.
+// Opens a file in a folder that is on a disk even where /tmp is in memory.
 bool RowsOnDisk::open() {
   if (tried_) return file_ >= 0;
   tried_ = true;
@@ -103,7 +103,7 @@ void RowsOnDisk::finish(const std::string& key, Stored stored) {
 
 std::function<Recording(int)> RowsOnDisk::rows_of(std::shared_ptr<const Stored> stored) const {
   size_t piece = 0;
-  int row = 0;  // of that piece
+  int row = 0;  // next row of that piece
   return [this, stored = std::move(stored), piece, row](int rows) mutable {
     int count = 0;
     int first = row;

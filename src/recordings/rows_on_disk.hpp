@@ -11,8 +11,9 @@
 
 namespace veridyn {
 
-/// Parsed rows of recordings in one temporary file without a name, for passes after the first: they are read
-/// faster than text is parsed, and take no memory of the process. Threads may share it. Where there is no room, or the file cannot be written, it stores nothing.
+/// Parsed rows of recordings in one temporary file without a name, for all passes after the first: it is
+/// faster than parsing text and uses no memory of the process. Threads may share it. Without sufficient
+/// space, or if the file cannot be written, it stores nothing.
 class RowsOnDisk {
  public:
   static constexpr long kMostBytes = 2L << 30;      ///< bound of the file
@@ -23,11 +24,11 @@ class RowsOnDisk {
   RowsOnDisk(const RowsOnDisk&) = delete;
   RowsOnDisk& operator=(const RowsOnDisk&) = delete;
 
-  /// A recording that has been written, by pieces in order.
+  /// A stored recording, as pieces in order.
   struct Stored {
-    Recording without_rows;  ///< its source; zero rows of the signals that it has
+    Recording without_rows;  ///< its source and signals, with zero rows
     struct Piece {
-      long offset;  ///< of the first column in the file, in doubles
+      long offset;  ///< offset of the first column in the file, in doubles
       int rows;
     };
     std::vector<Piece> pieces;
@@ -35,14 +36,14 @@ class RowsOnDisk {
     long rows() const;
   };
 
-  /// The recording under this key; null if it is not there.
+  /// The recording with this key; null if it is not stored.
   std::shared_ptr<const Stored> find(const std::string& key) const;
 
   /// Appends a piece to `to`. False if it cannot be stored.
   bool append(const Recording& piece, Stored& to);
   void finish(const std::string& key, Stored stored);
 
-  /// A reader of the rows from the first one on, as RecordingReader::next().
+  /// A reader of the rows from the first one on, with the interface of RecordingReader::next().
   std::function<Recording(int)> rows_of(std::shared_ptr<const Stored> stored) const;
 
  private:

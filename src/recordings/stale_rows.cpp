@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLongest = 0.1;  // [s] between the new values on either side
+constexpr double kLongest = 0.1;  // [s] largest time between the new values on either side
 
 using Index = Eigen::Index;
 
@@ -43,10 +43,9 @@ std::vector<Index> repeated_rows(const Recording& r) {
   return out;
 }
 
-// Value at the share u between p0 and p1, with derivatives v0 and v1 by u: a monotone cubic
-// (Fritsch and Carlson, SIAM J. Numer. Anal. 17(2), 1980), so that a coarse or wrong velocity has
-// little effect.
-double on_cubic(double p0, double v0, double p1, double v1, double u) {
+// Monotone cubic at the share u between p0 and p1, with derivatives v0 and v1 with respect to u (Fritsch and
+// Carlson, SIAM J. Numer. Anal. 17(2), 1980): a coarse or wrong velocity has little effect.
+double monotone_cubic(double p0, double v0, double p1, double v1, double u) {
   const double left = 1.0 - u;
   const double steepest = 3.0 * (p1 - p0);
   v0 = std::clamp(v0, std::min(0.0, steepest), std::max(0.0, steepest));
@@ -54,7 +53,7 @@ double on_cubic(double p0, double v0, double p1, double v1, double u) {
   return left * left * ((1.0 + 2.0 * u) * p0 + u * v0) + u * u * ((3.0 - 2.0 * u) * p1 - left * v1);
 }
 
-// Interpolates some rows of a recording, beginning with row `first`.
+// Interpolates stale rows of a recording, beginning with row `first`.
 class Filling {
  public:
   Filling(const Recording& raw, Index first, Recording& rows)
@@ -109,7 +108,7 @@ class Filling {
     const bool curved = signal.values == &Recording::q && raw_.dq.size() > 0 &&
                         sound(raw_.dq, before) && sound(raw_.dq, after);
     for (Index j = 0; j < m.cols(); ++j) {
-      out(row, j) = curved ? on_cubic(m(before, j), length * raw_.dq(before, j), m(after, j),
+      out(row, j) = curved ? monotone_cubic(m(before, j), length * raw_.dq(before, j), m(after, j),
                                       length * raw_.dq(after, j), u)
                            : (1.0 - u) * m(before, j) + u * m(after, j);
     }
@@ -120,7 +119,7 @@ class Filling {
   const Recording& raw_;
   Index first_;
   Recording& rows_;
-  std::vector<double> age_;  // [s] age of an interpolated row's data, by its oldest signal
+  std::vector<double> age_;  // [s] age of an interpolated row's data: that of its oldest signal
 };
 
 }  // namespace
@@ -134,7 +133,7 @@ std::string filled_text(const FilledRows& filled, long rows) {
 
 SoundRows::SoundRows(Source source) : source_(std::move(source)) {}
 
-// Number of held rows that are final and not yet returned.
+// Number of held rows that will not change and have not been returned.
 int SoundRows::settled_rows() const {
   if (held_.rows() == 0) return 0;
   int end = held_.rows();
@@ -145,7 +144,7 @@ int SoundRows::settled_rows() const {
   return end - given_;
 }
 
-// Drops rows that are too old to be neighbours of coming ones.
+// Drops rows that are too old to affect the following ones.
 void SoundRows::clear_position_history() {
   const double next = held_.time[std::min(given_, held_.rows() - 1)];
   int first = 0;

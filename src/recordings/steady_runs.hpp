@@ -5,16 +5,16 @@
 
 namespace veridyn {
 
-/// A segment of a joint's motion during which its speed stays within a tenth of its mean for half a
-/// second or longer.
+/// A segment of a joint's motion in which its speed stays within a tenth of its mean for half a second or
+/// longer.
 struct SteadyRun {
   std::size_t from = 0, end = 0;  ///< samples from .. end - 1
   double velocity = 0.0;          ///< mean [rad/s], [m/s]
 };
 
-/// The segments of one joint, none overlapping another. Speeds below a hundredth of the largest one
-/// count as rest; a gap in time ends a segment.
-/// @param time  [s], growing. @param dq  as many speeds.
+/// The segments of one joint, without overlap. Speeds below a hundredth of the largest one count as rest; a
+/// gap in time ends a segment.
+/// @param time  [s], increasing. @param dq  one speed for each time.
 std::vector<SteadyRun> steady_runs(const std::vector<double>& time, const std::vector<double>& dq);
 
 /// True if two speeds differ by less than a tenth.

@@ -14,7 +14,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kPiece = 4096;
-constexpr double kOverhead = 8.0;    // memory of a held sample beside its values, in numbers
+constexpr double kOverhead = 8.0;    // memory of a held sample in addition to its values, in numbers
 // Clocks of recordings count nanoseconds in 64 bits: no period is outside.
 constexpr double kShortestPeriod = 1e-9;  // [s]
 constexpr double kLongestPeriod = 9.2e9;
@@ -101,15 +101,16 @@ void UniformStream::read_piece() {
   }
 }
 
-// Rows half a wave apart determine what lies below the cut-off (Shannon); more is a gap. Of planar-2r with 20
-// and 50 % of the rows lost at random, at 200 Hz and a cut-off of 5 Hz, the parameters' rms error is 0.8 and
-// 3.9 %, 0.8 and 5.1 % where a quarter of a wave is a gap, and 2.6 and 11 % where two lost rows are.
+// Rows half a period of the cut-off apart determine all frequencies below it (Shannon); larger distances are
+// gaps. For planar-2r with 20 and 50 % of the rows lost at random, at 200 Hz and a cut-off of 5 Hz, the
+// parameters' rms error is 0.8 and 3.9 %; 0.8 and 5.1 % if a quarter of a period is a gap, and 2.6 and 11 %
+// if two lost rows are.
 double UniformStream::longest_bridge() const {
   const double wave = options_.cutoff > 0.0 ? 1.0 / options_.cutoff : 0.0;
   return std::max(kGapInSteps * std::max(step_, dt_), 0.5 * wave);
 }
 
-// Emits all grid points between the previous row and this one (the grid starts at the first row).
+// Emits all grid points between the previous row and this one. The grid starts at the first row.
 void UniformStream::emit_until(const Row& row) {
   const double tolerance = 1e-6 * dt_;
   const double wanted = static_cast<double>(held()) + (row.t - t_first_) / dt_ -

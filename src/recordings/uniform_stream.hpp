@@ -18,8 +18,8 @@ class UniformStream {
   UniformStream(const Model& arm, std::string name, Source source,
                 const PreprocessingOptions& options);
 
-  /// Reads until `rows` samples are held after `discard` of them were dropped, or the recording
-  /// ends. Returns the number held.
+  /// Reads until `rows` samples are held, after dropping `discard` of them, or until the recording ends.
+  /// Returns the number of held samples.
   Eigen::Index hold(Eigen::Index rows, Eigen::Index discard);
 
   bool ended() const { return ended_; }
@@ -28,8 +28,8 @@ class UniformStream {
   double start() const { return t_first_; }
   long rows_read() const { return rows_read_; }
 
-  /// Held samples, (rows x 3 n): q, dq (if present, else 2 n columns), tau; and a flag for each that
-  /// it is valid.
+  /// Held samples (rows x 3 n): q, dq (if recorded, else 2 n columns), tau; and a flag for the validity of
+  /// each.
   using Samples = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   Samples samples() const { return {samples_.data(), held(), width_}; }
   const std::vector<char>& sound() const { return sound_; }
@@ -40,7 +40,7 @@ class UniformStream {
   /// Sensor errors; offsets and gains of the samples are corrected, delays are not.
   const JointSensors& sensors() const { return sensors_; }
 
-  /// Time of a row of the file, for options.first_row; valid once that row was read.
+  /// Time of row options.first_row of the file; valid once that row has been read.
   double first_wanted_time() const { return t_wanted_first_; }
   double last_wanted_time() const { return t_wanted_last_; }
 
@@ -51,7 +51,7 @@ class UniformStream {
   };
   void read_piece();
   void emit_until(const Row& row);
-  double longest_bridge() const;  ///< [s] between rows that are not a gap
+  double longest_bridge() const;  ///< [s] largest distance between rows that is not a gap
   bool usable(const Recording& piece, Eigen::Index row) const;
   void make_row(const Recording& piece, Eigen::Index row, Row& out) const;
   Eigen::Index held() const { return static_cast<Eigen::Index>(sound_.size()); }

@@ -41,7 +41,7 @@ void fill_samples(const BoundEffect& effect, const MotionView& motion, const Mat
   }
 }
 
-// Columns of samples in order of time, into rows from `first` on.
+// Computes the columns for samples in order of time, into the rows from `first` on.
 void fill_columns(BoundEffect& effect, const std::vector<AxisSample>& samples, Eigen::Index first,
                   MatrixXd& columns) {
   EffectColumns row{};

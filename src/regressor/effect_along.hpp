@@ -50,8 +50,8 @@ std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView
 MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
                        double start);
 
-/// Columns of an effect along samples that arrive in pieces, (rows x parameters); the memory goes on
-/// from piece to piece.
+/// Columns of an effect for samples that arrive in pieces, (rows x parameters); the memory continues from
+/// piece to piece.
 class ColumnsInPieces {
  public:
   explicit ColumnsInPieces(EffectFacts facts) : facts_(std::move(facts)), effect_(facts_.bound()) {}

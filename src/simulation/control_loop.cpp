@@ -14,11 +14,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kMostUnderWay = 1e6;  // positions that a sensor delays, which are all kept
+constexpr double kMostUnderWay = 1e6;  // positions that a sensor delays; all of them are stored
 constexpr double kContactRamp = 0.1;  // [s] in which a contact fades in and out
 constexpr double kFar = 10.0;         // times a joint's range: no controller recovers
-constexpr double kStepSeconds = 1.0;  // of a joint's step
-constexpr double kStepRest = 2.0;     // [s] after it
+constexpr double kStepSeconds = 1.0;  // [s] duration of a joint's step
+constexpr double kStepRest = 2.0;     // [s] rest after it
 constexpr double kStepPeriod = 1e-3;  // [s]
 
 // Records rows up to the end of the run.
@@ -97,8 +97,7 @@ class Loop {
     velocity_ = dq;
   }
 
-  // The motors' torques for the next h seconds; a slower controller keeps them until its own period
-  // has passed.
+  // The motors' torques for the next h seconds. A slower controller keeps them for its own period.
   const VectorXd& torques(const VectorXd& q, const JointReference& wanted, double h) {
     if (first_ || since_ > 1.0 / options_.rate - 0.5 * h) {
       update(q, wanted, first_ ? h : since_);

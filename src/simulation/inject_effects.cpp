@@ -183,7 +183,7 @@ class Injector {
     add(hidden, hidden.place, std::nullopt, std::move(v));
   }
 
-  // Only a diagnosis writes this text form of a cause.
+  // This form of a cause is written by a diagnosis only.
   void inject(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
     throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
                             "', which is a load without mass, expected '", AddedLoad::kName, "'."));

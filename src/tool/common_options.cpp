@@ -166,7 +166,7 @@ void require_writable(const std::string& path) {
   const bool exists = ::stat(path.c_str(), &there) == 0;
   require(!exists || !S_ISDIR(there.st_mode), path,
           ": cannot be written: found a folder, expected a file name.");
-  // Opened and closed again, a pipe would end for its reader.
+  // Opening a pipe and closing it would end the pipe for its reader.
   if (exists && !S_ISREG(there.st_mode)) {
     require(::access(path.c_str(), W_OK) == 0, path, ": cannot be written: no permission.");
     return;
@@ -184,7 +184,7 @@ void warn_of_shared_recordings(const std::vector<std::string>& train,
 }
 
 void warn_of_repeated_recordings(const std::vector<std::string>& train) {
-  std::vector<std::vector<std::string>> alike;  // files that hold the same, in the order given
+  std::vector<std::vector<std::string>> alike;  // files of equal contents, in the given order
   for (const std::string& path : train) {
     const auto group = std::find_if(alike.begin(), alike.end(), [&](const auto& files) {
       return same_recording(path, files.front());

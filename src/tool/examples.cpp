@@ -7,8 +7,8 @@
 namespace veridyn::cli {
 namespace {
 
-// tests/cli/manual_test.cpp runs these in their order, each in the folder that the earlier ones
-// filled, except those that need boards, a sensor or recordings of a camera.
+// tests/cli/manual_test.cpp runs these in order, in a folder with the results of the earlier ones, except
+// those that need boards, a sensor or recordings of a camera.
 std::map<std::string, std::vector<ManualPage::Entry>>& examples() {
   static std::map<std::string, std::vector<ManualPage::Entry>> all = {
       {"veridyn", {{"veridyn help identify", "Show the options and examples of one command"}}},

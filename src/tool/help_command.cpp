@@ -19,7 +19,7 @@ struct HelpRequest {
   std::string man, markdown, bash;
 };
 
-const CLI::App& named(const CLI::App& tool, const std::vector<std::string>& words) {
+const CLI::App& command_named(const CLI::App& tool, const std::vector<std::string>& words) {
   const CLI::App* command = &tool;
   for (const std::string& word : words) {
     std::vector<std::string> names;
@@ -40,7 +40,7 @@ const CLI::App& named(const CLI::App& tool, const std::vector<std::string>& word
   return *command;
 }
 
-// All commands, with those of the packages that are installed in their places.
+// Help of all commands, including those of installed packages in their places.
 std::vector<CommandHelp> complete_help(const CLI::App& tool) {
   std::vector<CommandHelp> out;
   for (CommandHelp& own : help_of(tool)) {
@@ -61,7 +61,7 @@ std::vector<CommandHelp> complete_help(const CLI::App& tool) {
 void run(const CLI::App& tool, const HelpRequest& request) {
   std::string name = "veridyn";
   for (const std::string& word : request.command) name += " " + word;
-  const CLI::App& command = named(tool, request.command);
+  const CLI::App& command = command_named(tool, request.command);
   if (request.man.empty() && request.markdown.empty() && request.bash.empty()) {
     std::cout << terminal_text(manual_page(command, name));
     return;

@@ -16,7 +16,7 @@
 namespace veridyn::cli {
 namespace {
 
-constexpr const char* kEnd = "end";  // of a line that was not cut short
+constexpr const char* kEnd = "end";  // marks the end of a line that was written completely
 
 std::optional<std::pair<int, VectorXd>> result_in(const std::string& line) {
   std::istringstream words(line);

@@ -44,9 +44,9 @@ struct CommandHelp {
 /// Help of the tool and of all its commands, each before those below it.
 std::vector<CommandHelp> help_of(const CLI::App& tool);
 
-/// Help as programs of packages print it with --describe.
+/// Help in the format that programs of packages print with --describe.
 std::string to_json(const std::vector<CommandHelp>& help);
-/// The same read again, without the first entry, that of the tool. @param program  for messages.
+/// Parses to_json(), without the first entry, that of the tool. @param program  for messages.
 std::vector<CommandHelp> help_from_json(const std::string& json, const std::string& program);
 
 /// Writes a man page for the tool and for every command, as veridyn-dvrk-run.1.

@@ -20,7 +20,7 @@ constexpr double kFirstEstimate = 0.1;  // share of the work before the first es
 constexpr double kShort = 3.0;          // [s] of work without an estimate
 constexpr double kRedraw = 0.05;        // [s] between two drawings of a bar
 constexpr double kQuietFor = 2.0;       // [s] between two plain lines of one stage
-constexpr std::size_t kLongest = 100;   // characters of an activity beside a bar, which stays one line
+constexpr std::size_t kLongest = 100;   // characters of an activity next to a bar, which has to fit into one line
 const char* const kClearLine = "\r\033[K";
 
 bool on_terminal() {
@@ -33,7 +33,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// A standard error that is full or closed shows nothing, and ends no work.
+// If standard error is full or closed, the message is lost, but the work continues.
 template <typename... Parts>
 void to_standard_error(fmt::format_string<Parts...> format, Parts&&... parts) {
   std::fputs(fmt::format(format, std::forward<Parts>(parts)...).c_str(), stderr);
@@ -52,7 +52,7 @@ class Estimate {
   Clock::time_point begun_ = Clock::now();
 };
 
-// One progress bar for all of the work, which never goes back.
+// One progress bar for all of the work, which never moves backwards.
 class Bar {
  public:
   void operator()(const std::string& what, double share) {
@@ -75,7 +75,8 @@ class Bar {
   std::optional<Clock::time_point> drawn_;
 };
 
-// A line for every stage, the part of the activity before its colon, and one in a while within it.
+// Prints one line for every stage (the part of the activity before its colon), and further lines from time to
+// time.
 class Lines {
  public:
   void operator()(const std::string& what, double share) {

@@ -25,7 +25,7 @@ bool can_run(const fs::path& file) {
   return fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0;
 }
 
-// Beside the running program, then on the path; empty: nowhere.
+// Path of a program: in the folder of the running one, else on PATH; empty if not found.
 std::string found_program(const std::string& name) {
   std::error_code unknown;
   const fs::path beside = fs::read_symlink("/proc/self/exe", unknown).parent_path() / name;
@@ -42,13 +42,13 @@ bool is_help(const std::string& argument) {
   return argument == "--help" || argument == "-h";
 }
 
-// "--option", "--option=value", or for "--begin-" every option that begins so.
+// True for "--option" and "--option=value", and for "--begin-" with every option that begins with it.
 bool matches(const std::string& argument, const std::string& word) {
   if (argument.rfind(word, 0) != 0) return false;
   return argument.size() == word.size() || word.back() == '-' || argument[word.size()] == '=';
 }
 
-// The first argument that makes the call the package's; empty: none.
+// The first argument by which the call belongs to the package; empty if there is none.
 std::string matching_argument(const PackageCommand& row, const std::vector<std::string>& arguments) {
   for (std::size_t k = 1; k < arguments.size(); ++k) {
     for (const std::string& word : row.words)
@@ -97,7 +97,7 @@ std::vector<std::string> commands_below(const PackageCommand& row) {
 
 std::optional<int> pass_to_package(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return std::nullopt;
-  // `help COMMAND...` is `COMMAND... --help`.
+  // Turns `help COMMAND...` into `COMMAND... --help`.
   std::vector<std::string> call = arguments;
   const bool written = std::any_of(call.begin(), call.end(), [](const std::string& word) { return word.rfind("--", 0) == 0; });
   if (call.front() == "help" && call.size() > 1 && !written) {

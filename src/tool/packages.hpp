@@ -11,19 +11,20 @@ namespace veridyn::cli {
 struct PackageCommand {
   std::string command;  ///< of `veridyn`
   std::string package, program;
-  std::string summary;  ///< for the list of commands; empty: a command of the library to which the package adds
-  std::vector<std::string> words;  ///< arguments by which a call of such a command is the package's
+  std::string summary;  ///< for the list of commands; empty: a command of the library, which the package extends
+  std::vector<std::string> words;  ///< arguments by which a call of such a command belongs to the package
 };
 
-/// All commands of packages. `veridyn` starts programs of this list and no others.
+/// All commands of packages. `veridyn` starts only programs of this list.
 const std::vector<PackageCommand>& package_commands();
 
-/// Hands the call over to the program of a package, if it is one's.
-/// @param arguments  behind `veridyn`.
-/// @returns  a status if the package is not there; does not return if it is; nullopt: the call is the library's.
+/// Runs the program of a package in place of this one, if the call belongs to a package.
+/// @param arguments  of `veridyn`.
+/// @returns  a status if the package is not installed; nullopt if the call belongs to the library; does not
+/// return if the program starts.
 std::optional<int> pass_to_package(const std::vector<std::string>& arguments);
 
-/// Help of the commands of a program; empty where it is not installed.
+/// Help of the commands of a program; empty if it is not installed.
 std::vector<CommandHelp> help_of_program(const std::string& program);
 
 }  // namespace veridyn::cli

@@ -22,13 +22,13 @@ void add_signal_options(CLI::App& command, SignalChoice& signals);
 /// Adds --fix and --drive-gains.
 void add_robot_options(CLI::App& command, CommonOptions& options);
 
-/// Reads the robot of a command, with --fix and --drive-gains applied.
-/// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it,
-/// or the number of drive gains differs from that of the joints.
-/// @param signals  gets the joints that --fix holds: recordings may have them all the same.
-/// Says which bodies of the robot file cannot be; for commands whose results do not.
+/// Warns of physically impossible bodies in the robot file, for commands whose results do not report them.
 void warn_of_impossible_bodies(const std::string& robot, const Model& arm);
 
+/// Reads the robot of a command, with --fix and --drive-gains applied.
+/// @param signals  receives the joints that --fix holds, which recordings may contain nevertheless.
+/// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it,
+/// or the number of drive gains differs from that of the joints.
 Model read_robot(const std::string& robot, const CommonOptions& options, SignalChoice* signals = nullptr);
 
 /// The options for `excite --given` that correspond to `how`: columns, rate, topics, names, units,

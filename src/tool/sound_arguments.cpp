@@ -50,7 +50,7 @@ void expect_finite(const std::string& name, const std::string& word) {
     throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
 }
 
-// True if the file at a path may have topics: anything but a plain table t,q1,...
+// True if the file may have topics: anything but a plain table t,q1,...
 bool may_have_topics(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return true;  // a pipe
@@ -95,7 +95,7 @@ void check_command_arguments(const CLI::App& command) {
         throw CLI::ValidationError(name, "found an empty word, expected " +
                                              (option->get_option_text().empty() ? "a value" : option->get_option_text()));
       if (is_output(*option)) {
-        // A device takes any number of outputs.
+        // A device may receive several outputs.
         std::error_code error;
         if (!fs::exists(word, error) || fs::is_regular_file(word, error))
           outputs.push_back({name, place(word)});

@@ -8,7 +8,7 @@ namespace {
 std::atomic<bool> stop_flag{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
 
-extern "C" void ask_to_stop(int) {
+extern "C" void request_stop(int) {
   stop_flag.store(true, std::memory_order_relaxed);
 }
 
@@ -21,7 +21,7 @@ const std::atomic<bool>& stop_requested() {
 void catch_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
     struct sigaction action {};
-    action.sa_handler = ask_to_stop;
+    action.sa_handler = request_stop;
     ::sigemptyset(&action.sa_mask);
     ::sigaction(signal, &action, nullptr);
   }

@@ -23,7 +23,7 @@ std::vector<std::string> command_names(const CLI::App& tool) {
   return names;
 }
 
-// The command that was meant, as `calibrate links` within calibrate, and its name in full.
+// The command that the user meant, such as `calibrate links` within calibrate, with its full name.
 struct Meant {
   const CLI::App* command;
   std::string name = "veridyn";
@@ -49,7 +49,7 @@ Meant intended_command(const CLI::App& tool) {
   return out;
 }
 
-// Value of an option in words: "a whole number", unless its type has a better name.
+// Description of an option's value: "a whole number", unless its type has a better name.
 std::string kind_of(const CLI::Option* option) {
   const std::string type = option == nullptr ? "" : option->get_type_name();
   if (type.find("NONNEGATIVE") != std::string::npos) return "a number that is not negative";
@@ -68,7 +68,7 @@ std::string trimmed_number(const std::string& number) {
   return out;
 }
 
-// The words of the parser as found and expected.
+// The parser's message in the form "found ..., expected ...".
 std::string found_and_expected(const CLI::App& command, const std::string& words) {
   static const std::regex kRange("^(.*): Value (.*) not in range (\\S+) to (\\S+)$");
   static const std::regex kOneOf("^(.*): (.*) not in \\{(.*)\\}$");

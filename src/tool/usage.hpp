@@ -5,7 +5,7 @@
 
 namespace veridyn::cli {
 
-/// Error in the command line as one line, with a suggestion for a misspelt word.
+/// The error in the command line as one line, with a suggestion for a misspelt word.
 std::string usage_message(const CLI::App& tool, const CLI::ParseError& error);
 
 }  // namespace veridyn::cli

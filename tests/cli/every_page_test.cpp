@@ -279,7 +279,7 @@ int free_port() {
   return ntohs(where.sin_port);
 }
 
-TEST(ServedPage, ABrowserSeesThePageAndIsToldOfNewOnes) {
+TEST(ServedPage, ABrowserReceivesThePageAndEveryNewOne) {
   const TemporaryFolder folder;
   const std::string recording = folder.write("a.csv", planar_recording(30.0));
   ASSERT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--model-out",

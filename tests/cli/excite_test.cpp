@@ -318,7 +318,7 @@ TEST(Excite, RelativeDeviationsAndEssentialParametersAreInTheFile) {
     EXPECT_EQ(identified[b]["name"].get<std::string>(), predicted[b]["name"].get<std::string>());
 }
 
-TEST(Excite, SlowPassesFollowInTheFile) {
+TEST(Excite, TheFileHasTheSlowPassesAfterTheLastPeriod) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
                                      folder.path("m.json"), "--slow-passes", "2"} +

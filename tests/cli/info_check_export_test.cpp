@@ -80,7 +80,7 @@ TEST(Check, FindingsAreAnAnswerAndNotAnError) {
   EXPECT_TRUE(rests) << run.out;
 }
 
-TEST(Check, RowsAndHeaderlessFilesAreReadAsAskedFor) {
+TEST(Check, RowsAndHeaderlessFilesFollowTheOptions) {
   const TemporaryFolder folder;
   std::string content = planar_recording(10.0);
   const std::string bare = folder.write("bare.csv", content.substr(content.find('\n') + 1));

@@ -145,7 +145,7 @@ TEST_F(OwnRobot, TheFitWithAPriorConvergesFromAnyBody) {
   }
 }
 
-TEST_F(OwnRobot, TheVerdictSaysWhichJointIsNotExplained) {
+TEST_F(OwnRobot, TheVerdictNamesTheUnexplainedJoint) {
   record({"--effect", "position_dependent_friction:elbow:slope=0.3,curvature=0"}, "grows");
   const std::string out = folder().path("strib.json");
   const ToolRun run = run_tool({"identify", kUrdf, "--train", path("grows", "1"), "--test",

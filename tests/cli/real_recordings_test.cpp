@@ -287,7 +287,7 @@ TEST_F(RealRecordings, OfArmsWithCableFrictionAreNotExplainedByAnotherRobotFile)
 }
 
 // All joints of this arm follow two sines: exchanges of joints that are none explain its torques better.
-TEST_F(RealRecordings, OfJointsThatMoveAsOneAreNotCalledExchanged) {
+TEST_F(RealRecordings, OfJointsThatMoveAsOneAreNotReportedAsExchanged) {
   const json found = result({"check", "kuka-lwr4"}, {file("lwr4/lwr-3.npz")});
   ASSERT_FALSE(found.is_null());
   for (const json& f : found["recordings"][0]["findings"]) {

@@ -246,7 +246,7 @@ TEST(CooperativeController, AStopEndsAChangeOfForcesToo) {
   EXPECT_EQ(t.control->wanted_force(0), 5.0);
 }
 
-TEST(CooperativeController, HoldsOnOldAndOnStuckSamples) {
+TEST(CooperativeController, HoldsTheTargetsIfSamplesAreOldOrStuck) {
   Tracking stale;
   stale.input.force[0].age = 0.05;
   stale.run(1);
@@ -265,7 +265,7 @@ TEST(CooperativeController, HoldsOnOldAndOnStuckSamples) {
 
 // A law that tracks a sensor whose zero creeps stretches the spring until its length gives it away;
 // without the comparison it goes on.
-TEST(CooperativeController, HoldsOnASensorThatDrifts) {
+TEST(CooperativeController, HoldsTheTargetsIfASensorDrifts) {
   for (const double rate : {1.0, -1.0}) {
     for (const bool compared : {true, false}) {
       Tracking t(compared ? CooperativeOptions().drift_force : 1e9);

@@ -163,7 +163,7 @@ TEST(ModelErrorObserver, KeepsItsEstimateInANonFiniteCycle) {
 }
 
 // With springs and offsets in the model an arm stays where it is let go.
-TEST(GravityCompensation, AReleasedArmStays) {
+TEST(GravityCompensation, AReleasedArmDoesNotMove) {
   const Model bare = sample_arms().at("coupled_wrist");
   const Model arm = with_effects(bare, {effect_on(bare, "joint_spring", 1, {{"stiffness", 3.0}}),
                                         effect_on(bare, "torque_offset", 0, {{"offset", 0.4}})});

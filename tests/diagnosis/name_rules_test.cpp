@@ -88,7 +88,7 @@ TEST_F(NameRules, TheErrorAfterTheLastFindingIsThatOfTheExtendedModel) {
 }
 
 // A dead zone of the shoulder's torque channel is no cause of the dictionary.
-TEST_F(NameRules, TheVerdictSaysThatMostOfTheErrorHasNoName) {
+TEST_F(NameRules, TheVerdictStatesThatMostOfTheErrorIsUnnamed) {
   const auto dead_zone = [](Recording& r) {
     const double width = 0.25 * std::sqrt(r.tau.col(0).squaredNorm() / r.rows());
     for (double& tau : r.tau.col(0)) tau = tau > 0.0 ? std::max(0.0, tau - width) : std::min(0.0, tau + width);

@@ -309,7 +309,7 @@ TEST(PayloadTable, ShowsTheGainAndNoCentreOfAnUndeterminedMass) {
 }
 
 // A load is found if the interval of its mass or moment excludes zero, its gain is large enough and its mass is possible.
-TEST(PayloadTable, SaysWhetherALoadIsFound) {
+TEST(PayloadTable, ReportsWhetherALoadIsFound) {
   PayloadReport report;
   report.robot = "arm";
   report.reason = "nothing moves";

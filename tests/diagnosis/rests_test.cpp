@@ -93,19 +93,19 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
 }
 
 // An arm identified from joints that move as one gives no cause; the values of a MODEL are known before.
-TEST_F(AtTheEnds, NoCauseIsAskedOfJointsThatMoveAsOne) {
+TEST_F(AtTheEnds, NoCauseIsTestedOnJointsThatMoveAsOne) {
   DiagnosisState x = resting(0.0, 0.0);
-  EXPECT_TRUE(tells_causes(x));
+  EXPECT_TRUE(can_attribute_errors(x));
   x.d.moving_as_one = {{0, 1}};
   x.d.changes = true;
-  EXPECT_TRUE(tells_causes(x));
+  EXPECT_TRUE(can_attribute_errors(x));
   x.d.changes = false;
-  EXPECT_FALSE(tells_causes(x));
+  EXPECT_FALSE(can_attribute_errors(x));
   EXPECT_FALSE(x.d.has_answer());
   EXPECT_EQ(x.d.verdict().find("cannot tell: joints 1 and 2 move as one"), 0U) << x.d.verdict();
 }
 
-TEST_F(AtTheEnds, NoCauseIsAskedOfTorquesThatBelongToAnotherMotion) {
+TEST_F(AtTheEnds, NoCauseIsTestedIfTheTorquesBelongToAnotherMotion) {
   DiagnosisState x = resting(0.0, 0.0);
   x.d.data_quality.emplace_back();
   x.d.data_quality[0].file = x.train[0];
@@ -114,9 +114,9 @@ TEST_F(AtTheEnds, NoCauseIsAskedOfTorquesThatBelongToAnotherMotion) {
   f.severity = Severity::kFault;
   f.joint = 1;  // one joint that nothing drives
   x.d.data_quality[0].findings = {f};
-  EXPECT_TRUE(tells_causes(x));
+  EXPECT_TRUE(can_attribute_errors(x));
   x.d.data_quality[0].findings[0].joint = 0;
-  EXPECT_FALSE(tells_causes(x));
+  EXPECT_FALSE(can_attribute_errors(x));
   EXPECT_NE(x.d.verdict().find("cannot tell: the torques do not follow from the motion"), std::string::npos) << x.d.verdict();
 }
 

@@ -121,7 +121,7 @@ TEST(Unnamed, SizesHaveTheUnitOfTheJoint) {
 }
 
 // The square of another joint's torque is no signal of a table: the curve stays out of the model, and a remark says so.
-TEST(Unnamed, ACurveThatIsNotKeptSaysWhy) {
+TEST(Unnamed, ACurveThatIsNotKeptHasAReason) {
   const auto squared = [](Recording& r, unsigned) { r.tau.col(0).array() += 0.02 * r.tau.col(1).array().square(); };
   const auto remarks = [](const Diagnosis& d) {
     return std::count_if(d.remarks.begin(), d.remarks.end(), [](const std::string& remark) {

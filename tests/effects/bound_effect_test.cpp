@@ -173,7 +173,7 @@ TEST(BoundEffect, SeveralMemoriesOnOneAxisHaveNamesOfTheirOwn) {
             "presliding_hysteresis(yaw, distance 0.24).level");
 }
 
-TEST(BoundEffect, KnowsWhetherTheFileGaveEveryValue) {
+TEST(BoundEffect, HasValuesOnlyIfTheFileGivesEveryParameter) {
   EXPECT_TRUE(bound("warm_up", {{"level", 0.2}, {"viscosity", 0.0}}).has_values());
   EXPECT_FALSE(bound("warm_up", {{"level", 0.2}, {"time_constant", 30.0}}).has_values());
 }

@@ -107,7 +107,7 @@ TEST(InteriorPoint, MeetsTheConditionsOfKarushKuhnAndTucker) {
   EXPECT_LT((slope + pressure * r.x).norm(), 1e-4);
 }
 
-TEST(InteriorPoint, StopsWhenAskedTo) {
+TEST(InteriorPoint, EndsWhenStopReturnsTrue) {
   Problem p;
   p.count = 1;
   p.f = [](const VectorXd& x) { return x[0]; };

@@ -19,7 +19,7 @@ TEST(Expression, NumbersAreReadExactly) {
   EXPECT_EQ(evaluate("-1.2345678901234567e-300", {}), -1.2345678901234567e-300);
 }
 
-TEST(Expression, KnowsPiFunctionsAndConstants) {
+TEST(Expression, EvaluatesPiFunctionsAndConstants) {
   EXPECT_EQ(evaluate("-pi/2", {}), -M_PI / 2);
   EXPECT_EQ(evaluate("atan(0.0430/0.1437)", {}), std::atan(0.0430 / 0.1437));
   EXPECT_EQ(evaluate("2*l^2 + sqrt(l)", {{"l", 4.0}}), 34.0);

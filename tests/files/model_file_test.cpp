@@ -262,7 +262,7 @@ TEST(ModelFile, FilesAreWrittenWholeAndReadAgain) {
   EXPECT_THROW(save_model(read_yaml(kArm, "arm.yaml"), "/no/such/folder/arm.yaml"), InvalidInput);
 }
 
-TEST(ModelFile, EveryEffectNameCanStandInAFile) {
+TEST(ModelFile, EveryEffectNameIsAcceptedInAFile) {
   for (const std::string& name : effect_names()) {
     const Model arm = read_yaml(arm_with("viscous_friction", name), "arm.yaml");
     EXPECT_EQ(arm.effects()[0].effect, name);

@@ -145,7 +145,7 @@ TEST(ACompressedRecording, ExcludesSlowRows) {
 // ---- facts
 // ---------------------------------------------------------------------------------------------------------
 
-TEST(ACompressedRecording, KnowsRangesOfTorqueSpeedAndPosition) {
+TEST(ACompressedRecording, HasTheRangesOfTorqueSpeedAndPosition) {
   const Model arm = robot("scara");
   const PreprocessingOptions options = without_edges();
   const Recording r = synthetic_recording(arm, lasting(12.0));

@@ -295,7 +295,7 @@ TEST(FeasibleLeastSquares, ScalesWithTheSumOfSquares) {
 }
 
 // Without bounds the cost may have no minimum: a mass that no row sees lets its first moments grow.
-TEST(FeasibleLeastSquares, SurvivesUnidentifiableParameters) {
+TEST(FeasibleLeastSquares, MeetsTheOptimalityConditionsWithUnidentifiableParameters) {
   int minima = 0;
   for (unsigned seed = 1; seed <= 30; ++seed) {
     FeasibleProblem problem = random_problem({2, 4, 15, 2.0}, seed);

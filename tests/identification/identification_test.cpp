@@ -322,7 +322,7 @@ TEST(Facts, AreKeptAndTheOthersIdentifiedBesideThem) {
   }
 }
 
-TEST(Facts, MayBeEffects) {
+TEST(Facts, OfEffectsAreKeptAndTheOthersIdentified) {
   ModelDescription d = robot("planar-2r").description();
   for (EffectTerm& term : d.effects) term.fixed = term.effect == "coulomb_friction";
   const Model arm{d};
@@ -342,7 +342,7 @@ TEST(Facts, MayBeEffects) {
 // ---- data that cannot answer
 // ---------------------------------------------------------------------------------------
 
-TEST(AJointThatNeverMoves, IsNamedWithTheParametersItLeavesOpen) {
+TEST(AJointThatNeverMoves, IsNamedWithTheParametersItLeavesUndetermined) {
   for (const int still : {0, 5}) {
     const Model arm = robot("elbow-6r");
     MatrixXd ddq;
@@ -502,7 +502,7 @@ TEST(Errors, AreThoseOfTheFittedModelOnEachRecording) {
 
 // The elbow moves in the last of four recordings alone. Without it the others say nothing of the elbow's friction,
 // which then keeps its value: noise-free, the recording is predicted as it was fitted.
-TEST(HeldOutFits, KeepParametersThatOtherPartsLeaveOpen) {
+TEST(HeldOutFits, KeepParametersThatOtherPartsDoNotDetermine) {
   const Model arm = robot("planar-2r");
   std::vector<Recording> all;
   for (unsigned k = 0; k < 4; ++k) {

@@ -53,7 +53,7 @@ TEST(Torques, InUnitsOffByAThousandGiveParametersOffByAThousand) {
 }
 
 // Two equal columns have one sum, wherever it is written.
-TEST(AnEffectThatIsGivenTwice, HasTheSumOfOne) {
+TEST(AnEffectThatIsGivenTwice, HasTwoParametersWithTheSumOfOne) {
   ModelDescription d = planar().description();
   const auto viscous = std::find_if(d.effects.begin(), d.effects.end(),
                                     [](const EffectTerm& e) { return e.effect == "viscous_friction"; });
@@ -68,7 +68,7 @@ TEST(AnEffectThatIsGivenTwice, HasTheSumOfOne) {
   EXPECT_TRUE(near(two.train_error.relative, one.train_error.relative, 1e-9));
 }
 
-TEST(JointsThatMoveAsOne, LeaveParametersOpenOrFitTheirSum) {
+TEST(JointsThatMoveAsOne, LeaveParametersUndeterminedOrFitTheirSum) {
   const Model arm = planar();
   for (const double ratio : {1.0, -1.0, 0.5}) {
     MatrixXd ddq;

@@ -84,7 +84,7 @@ TEST(Repeats, AreComparedOutsideOfGaps) {
   EXPECT_EQ(floor_of(0.1, 0.995, 2.0).size(), 0);
 }
 
-TEST(Repeats, AreNoneWithoutAPeriod) {
+TEST(Repeats, GiveNoFloorWithoutAPeriod) {
   PeriodFold fold(2, 0.0);
   fold.add(0.0, MatrixXd::Ones(1, 2), 0);
   fold.add(1.0, MatrixXd::Ones(1, 2), 0);

@@ -334,7 +334,7 @@ class ARobotFile : public AMistakenRecording {
   }
 };
 
-TEST_F(ARobotFile, WithoutFrictionRaisesNoQuestion) {
+TEST_F(ARobotFile, WithoutFrictionContradictsNothing) {
   Recording r = recorded_beside_values("elbow-6r", 21);
   EXPECT_EQ(findings(r), Names{}) << sentences_;
   r.tau *= 1.4;
@@ -423,7 +423,7 @@ TEST_F(AMistakenRecording, WithAnExchangedWristIsMendedByMap) {
 }
 
 // The rows of the file are written in the other convention.
-TEST_F(AMistakenRecording, OfTheOtherConventionIsNotMendedByAnExchange) {
+TEST_F(AMistakenRecording, OnRowsOfTheOtherConventionIsReportedAsDhConventionOnly) {
   const Recording r = recorded("psm-3dof", 28);
   ModelDescription d = arm_->description();
   for (Frame& frame : d.frames) {

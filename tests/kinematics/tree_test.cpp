@@ -11,7 +11,7 @@ class TreeOnEverySampleArm : public OnSampleArm {};
 INSTANTIATE_TEST_SUITE_P(Sample, TreeOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
                          sample_arm_name);
 
-TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatTheModelSaysMoveTheLink) {
+TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatMoveTheLink) {
   for (const Tree::Keep keep : {Tree::Keep::kEveryFrame, Tree::Keep::kBodiesOnly}) {
     const Tree tree(arm(), keep);
     for (const Link& link : tree.links) {

@@ -155,7 +155,7 @@ TEST(TheFactor, MergesByTheNamesOfColumns) {
   EXPECT_TRUE(same(empty, f));
 }
 
-TEST(TheFactor, WeighsTheRowsOfAnother) {
+TEST(TheFactor, MergesTheRowsOfAnotherTimesTheWeight) {
   Random random(6);
   const Rows p = random_rows(40, 3, random);
   const Rows q = random_rows(30, 3, random);
@@ -241,7 +241,7 @@ TEST(TheFactor, FollowsAChangeOfVariables) {
   }
 }
 
-TEST(TheFactor, KnowsTheNormsOfItsColumns) {
+TEST(TheFactor, HasTheNormsOfTheColumnsOfItsRows) {
   Random random(10);
   const Rows p = random_rows(500, 4, random);
   EXPECT_TRUE(

@@ -18,7 +18,7 @@ TEST(Suggestion, NothingIsSuggestedForDissimilarNames) {
   EXPECT_EQ(did_you_mean("yaw", {}), "");
 }
 
-TEST(Suggestion, TheMostSimilarNameStandsFirst) {
+TEST(Suggestion, TheMostSimilarNameIsListedFirst) {
   EXPECT_EQ(by_similarity("inserton", kNames).front(), "insertion");
   EXPECT_EQ(by_similarity("inserton", kNames).size(), kNames.size());
 }

@@ -128,7 +128,7 @@ TEST_F(Joined, UnitsFollowTheJointType) {
   EXPECT_EQ(refused("q2", "mm"), "");
 }
 
-TEST_F(Joined, AFileMayHaveASignOfPlusInItsName) {
+TEST_F(Joined, AFileWithAPlusInItsNameIsOneRecording) {
   expect_joints(read_recording(file("a+b.csv", 0, 1)), {0});
   EXPECT_THROW(read_recording(folder_.path("no+such.csv")), InvalidInput);
 }

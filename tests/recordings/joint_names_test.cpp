@@ -69,7 +69,7 @@ TEST(Joints, AreMatchedByTheirNames) {
             (std::vector<int>{2, 1}));
 }
 
-TEST(Joints, AreMatchedByTheirNumbersWhereNamesSayNothing) {
+TEST(Joints, AreMatchedByTheirNumbersIfNoNameMatches) {
   EXPECT_EQ(match_joints({"a1", "a2", "e1"}, {"iiwa_joint_3", "iiwa_joint_1", "iiwa_joint_2"}, {}),
             (std::vector<int>{1, 2, 0}));
   EXPECT_EQ(match_joints({"wrist_1", "wrist_2"}, {"0", "1"}, {}), (std::vector<int>{0, 1}));

@@ -290,7 +290,7 @@ TEST(IrregularTime, IsResampledOnTrueTime) {
   EXPECT_TRUE(near(p.ddq, MatrixXd::Zero(p.ddq.rows(), 4), 1e-9));
 }
 
-TEST(TheRate, MayBeSet) {
+TEST(TheRate, IsThatOfTheOptions) {
   const Model arm = robot("planar-2r");
   for (const double rate : {50.0, 100.0, 333.0}) {
     PreprocessingOptions o = unfiltered();
@@ -404,7 +404,7 @@ TEST(Edges, AreDroppedWhereverTheStretchesEnd) {
   }
 }
 
-TEST(RowsOfAFile, MayBeChosen) {
+TEST(RowsOfAFile, AreThoseOfTheOptions) {
   const Model arm = robot("planar-2r");
   struct Choice {
     long first, count;

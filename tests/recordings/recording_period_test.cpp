@@ -87,7 +87,7 @@ TEST(APeriod, IsNotInventedWhereNothingRepeats) {
   EXPECT_FALSE(detect_period(walk).found());
 }
 
-TEST(APeriod, SurvivesGaps) {
+TEST(APeriod, IsFoundInSpiteOfGaps) {
   Recording r = fourier_motion(6.0, 30.0, 100.0, 1e-4);
   for (int k = 100; k < r.rows(); k += 97) r.q(k, k % 3) = NAN;
   EXPECT_NEAR(detect_period(r).seconds, 6.0, 1e-3);

@@ -653,7 +653,7 @@ TEST_F(ARealRecording, OfTheUr10eIsNeverAt100Hz) {
   }
 }
 
-TEST_F(ARealRecording, ThatIsBrokenIsCalledBroken) {
+TEST_F(ARealRecording, ThatIsBrokenIsReportedAsFaulty) {
   const RecordingQuality quality = check("ur10e/broken-file-2019-09-27");
   EXPECT_EQ(found(quality, "absurd_numbers").severity, Severity::kFault);
   EXPECT_EQ(quality.rows, 1138);  // of 1139: one row of zeros alone is left out

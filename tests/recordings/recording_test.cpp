@@ -277,13 +277,13 @@ TEST_F(ABadFile, WithoutContentIsNamed) {
             "file.");
 }
 
-TEST_F(ABadFile, WithoutAHeaderAsksForTheColumns) {
+TEST_F(ABadFile, WithoutAHeaderIsRefusedWithTheOptionForColumns) {
   EXPECT_EQ(error_of("0,1,2\n1,2,3\n"),
             ":1: found numbers, expected a header; the first line is numbers, so name them with "
             "--columns and --rate.");
 }
 
-TEST_F(ABadFile, WithBadColumnsOptionSaysWhatIsWrong) {
+TEST_F(ABadFile, WithABadColumnsOptionIsRefusedWithTheReason) {
   RecordingOptions options;
   options.columns = {"q", "tau"};
   EXPECT_EQ(error_of("1,2\n", options), ":1: found no column t, expected one, or --rate.");
@@ -381,7 +381,7 @@ TEST_F(ABadFile, WithAnInvalidHeaderReportsTheReason) {
   EXPECT_EQ(error_of("q1,q2\n1,2\n"), ":1: found no column t, expected one, or --rate.");
 }
 
-TEST_F(ABadFile, WithTooFewRowsForTheSelectionSaysSo) {
+TEST_F(ABadFile, WithTooFewRowsForTheSelectionIsRefusedWithTheReason) {
   RecordingOptions options;
   options.first_row = 5;
   EXPECT_EQ(error_of("t,q1\n0,1\n1,2\n", options),

@@ -159,7 +159,7 @@ TEST(HiddenEffect, NumbersOfAnOriginAreConstantsToo) {
   EXPECT_THROW(inject_effects(arm, {parse_hidden_effect("coupling_error:fore.theta")}), InvalidInput);
 }
 
-TEST(HiddenEffect, AWrongConstantIsAnotherArm) {
+TEST(HiddenEffect, AWrongConstantGivesTheTorquesOfTheArmWithThatConstant) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   const SimulatedRecording s = simulated(arm, {"coupling_error:delta:change=0.1"});
   EXPECT_NEAR(s.truth.description().constants.at("delta"), 0.6, 1e-15);

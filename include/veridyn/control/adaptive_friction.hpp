@@ -9,9 +9,9 @@ namespace veridyn {
 struct AdaptiveFrictionOptions {
   bool enabled = false;  ///< off by default
   double rate = 0.5;     ///< [1/s] of motion
-  double least = 0.0;    ///< bounds of k, as a share of the identified friction
+  double least = 0.0;    ///< lower bound of k, as a share of the identified friction
   double most = 2.0;
-  Deadband velocity{0.01, 0.005};  ///< below which nothing is learned
+  Deadband velocity{0.01, 0.005};  ///< deadband of the speed, within which k is not updated
 };
 
 /// Online update of friction (an outlook of the thesis, chapter 8): grease ages and warms. The torque
@@ -49,7 +49,7 @@ class AdaptiveFriction {
   void update(const ArmState& arm, const VectorXd& missing, double dt,
               FrictionCompensation& friction) noexcept;
 
-  /// k: what is compensated, as a share of the identified friction.
+  /// k: the compensated share of the identified friction.
   double share(int axis) const { return axes_[axis].share; }
 
  private:
@@ -57,9 +57,9 @@ class AdaptiveFriction {
     double share = 1.0;
     double speed = 0.0;    // at the previous update
     double applied = 0.0;  // compensation since the previous update
-    double place = 0.0;    // s counts from here
+    double place = 0.0;    // reference of s
     bool first = true;
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of F, 1, s
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // information of F, 1, s
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
   };
   void adapt(Learned& axis, double force, double s, double needed, double dt) const noexcept;

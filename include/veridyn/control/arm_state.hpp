@@ -47,7 +47,7 @@ class ArmState {
   const VectorXd& bias() const { return bias_; }      ///< (n) [N m], [N]
   const VectorXd& rigid_bias() const { return h_; }   ///< C dq + g alone, (n)
 
-  /// Effects of the model that no controller here takes into account, in words.
+  /// Effects of the model that no controller of this library takes into account, in words.
   const std::vector<std::string>& left_out() const { return left_out_; }
 
  private:

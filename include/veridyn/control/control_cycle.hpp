@@ -18,8 +18,8 @@ namespace veridyn {
 struct Measured {
   /// Positions alone, without a force sensor.
   explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
-  VectorXd q;   ///< (n) as the encoders show them [rad], [m]
-  VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: the velocity observer's
+  VectorXd q;   ///< (n) as measured by the encoders [rad], [m]
+  VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: those of the velocity observer
   double age = 0.0;        ///< [s] of the positions
   double age_range = 0.0;  ///< [s] by which they may be younger, see SafetyInput::sensor_age_range
   /// [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
@@ -35,8 +35,8 @@ enum class Supervision {
 
 /// Positions and torques at either end of a cycle.
 enum class Signals {
-  kOfSensors,  ///< as the model's sensors and drives count them, see JointSensors
-  kTrue        ///< true ones: the caller undoes the errors of sensors, or there are none
+  kOfSensors,  ///< in the scales of the model's sensors and drives, see JointSensors
+  kTrue        ///< true ones: the caller removes the errors of sensors, or there are none
 };
 
 /// Settings of the observers, the compensation and the supervision around a control law.
@@ -47,32 +47,32 @@ struct CycleOptions {
   /// Largest torque of that observer [N m], [N]; nullopt: the model's uncertainty in the
   /// present motion, see TorqueUncertainty.
   std::optional<Gain> error_limit{};
-  /// Limits of the supervisor; nothing: those of the robot file, see safety_limits().
+  /// Limits of the supervisor; nullopt: those of the robot file, see safety_limits().
   std::optional<SafetyLimits> limits{};
-  /// Torque limit of the drives [N m], [N] for coordinates whose robot file gives none; 0: such a
-  /// file is refused.
+  /// Torque limit of the drives [N m], [N] for coordinates without one in the robot file; 0: such a file is
+  /// refused.
   double torque = 0.0;
   Supervision supervision = Supervision::kSupervisor;
   Signals signals = Signals::kOfSensors;
 };
 
-/// A fault: what, where and when.
+/// A fault: its cause, joint and time.
 struct ControllerFault {
   SafetyFault what = SafetyFault::kNone;
-  std::optional<JointIndex> joint;  ///< nothing: of no single joint
+  std::optional<JointIndex> joint;  ///< nullopt: the fault concerns no single joint
   double time = 0.0;                ///< [s] since the controller was made or reset
 };
 /// "position limit of joint 2 at 1.204 s"; joints count from 1.
 std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
 
-/// The tip; without a frame that of default_tip(). @throws InvalidInput  the arm has no joints.
+/// The tip, or default_tip() if it has no frame. @throws InvalidInput  the arm has no joints.
 Tip chosen_tip(const Model& arm, const Tip& tip = {});
 
-/// One cycle of control around a law, in the one right order: sensor errors are undone, velocities
-/// observed, the state evaluated; then the law's torque gets friction compensation and the torque
-/// that the model lacks, is supervised and limited, and becomes that of the drives. What the limits
-/// took away is fed back to the observer. JointController and TipController are this with a law; a
-/// law of one's own is used like theirs:
+/// One cycle of control around a law, in a fixed order: sensor errors are removed, velocities observed and
+/// the state evaluated; then the law's torque is extended by friction compensation and by the torque of the
+/// model's error, supervised, limited, and converted to that of the drives. The observer is informed of the
+/// torque that the limits removed. JointController and TipController are a ControlCycle with a law; a law of
+/// your own is used in the same way:
 ///
 ///   ControlCycle cycle(arm, tip, {});
 ///   every cycle: const ArmState& state = cycle.measure(measured, dt);
@@ -90,48 +90,48 @@ class ControlCycle {
   ControlCycle(const Model& arm, const Tip& tip, const CycleOptions& options);
 
   /// Begins a cycle. @param dt  [s] since the previous one.
-  /// @returns the state by true positions, valid until the next cycle.
+  /// @returns the state with true positions, valid until the next cycle.
   const ArmState& measure(const Measured& measured, double dt) noexcept;
 
   /// Sets the torque of the law (n) [N m], [N].
   void command(const VectorXd& tau) noexcept { tau_ = tau; }
-  /// The supervisor compares positions with these (n) in this cycle.
+  /// Positions (n) with which the supervisor compares the measured ones in this cycle.
   void track(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
   /// As FrictionCompensation::update().
   void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
-  /// @param y  (n) acceleration that the torque gives an arm that is as its model. A cycle without
-  /// this call clears the observer.
+  /// @param y  (n) acceleration that the torque would cause if the model were exact. A cycle without this
+  /// call clears the observer.
   void add_model_error(const VectorXd& y) noexcept;
-  /// Replaces the command of this cycle: the arm yields, with gravity compensated and a
-  /// little damping. It overwrites command(), and the observer is cleared.
+  /// Replaces the command of this cycle by gravity compensation and a little damping, so that the arm yields.
+  /// Clears the observer.
   void give_way() noexcept;
 
-  /// Ends a cycle. @returns (n) torques as the drives count them, always finite and within limits.
+  /// Ends a cycle. @returns (n) torques in the scale of the drives, always finite and within limits.
   const VectorXd& send() noexcept;
 
-  /// Torques that the drives gave in place of send()'s, if other limits follow, as the drives count
-  /// them (n); to be called before the next cycle.
+  /// Call it before the next cycle if other limits follow send(): (n) torques that the drives produced, in
+  /// their scale.
   void sent(const VectorXd& drive_torques) noexcept;
 
-  /// The supervisor brakes and holds the arm where it then is, until resume(). False, and without
-  /// effect, in a fault or without a supervisor.
+  /// Brakes by the supervisor and holds the arm where it stops, until resume(). False, and without effect, in
+  /// a fault or without a supervisor.
   bool hold() noexcept;
   /// give_way() in every cycle until resume().
   void limp() noexcept;
-  /// Ends hold() and limp(): the reference must then begin where the arm is.
+  /// Ends hold() and limp(). The reference must then begin at the arm's position.
   void resume() noexcept;
-  /// Clears what was observed, as while the motors are off. A fault remains.
+  /// Clears the observers' estimates, as while the motors are off. A fault remains.
   void reset_observers() noexcept;
-  /// Clears a fault as well, and the time of faults begins anew.
+  /// Clears a fault as well, and restarts the time of faults.
   void reset() noexcept;
-  /// Motors off: zero torques, and nothing is checked, until reset(). A fault is cleared.
+  /// Switches the motors off: zero torques and no checks until reset(). Clears a fault.
   void disable() noexcept;
 
-  /// The first fault, or the worse one that came after it; nothing: none since reset().
+  /// The first fault, or a later one with a stronger action; nullopt: none since reset().
   std::optional<ControllerFault> fault() const noexcept;
 
   int joints() const { return state_.joints(); }
-  const ArmState& state() const { return state_; }  ///< by true positions
+  const ArmState& state() const { return state_; }  ///< with true positions
   /// Measured wrench of this cycle.
   const Vector6d& wrench() const { return wrench_; }
   const JointSensors& sensors() const { return sensors_; }

@@ -30,24 +30,24 @@ struct CooperativeOptions {
   /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
   /// member's length explains; checked where its stiffness is known.
   double jump_force = 1.0;
-  /// [N] largest difference between a reading and the force that the member's length implies, both
-  /// relative to the moment when the wanted force last arrived; checked where the stiffness is known.
-  /// The bound grows by `drift_length` [m] times the stiffness, by `drift_way` times the stiffness for
-  /// each metre that an end moved since, and by a stiffness that is wrong by the factor `drift_factor`.
+  /// [N] largest difference between a reading and the force that the member's length implies, both relative
+  /// to the moment when the wanted force last arrived; checked if the stiffness is known. The bound increases
+  /// by `drift_length` [m] times the stiffness, by `drift_way` times the stiffness for each metre that an end
+  /// has moved since, and by the effect of a stiffness that is wrong by the factor `drift_factor`.
   double drift_force = 0.5;
   double drift_length = 0.0005;
   double drift_way = 0.02;
   double drift_factor = 1.5;
-  /// [N] change of force that a member's length implies while its samples repeat to the last bit
+  /// [N] change of force implied by a member's length while its samples stay equal to the last bit
   double stuck_force = 1.0;
   /// [J] largest energy that arms may feed into a member beyond the planned work
   /// (PassivityMonitor); an oscillating loop or a falling arm feeds more.
   double largest_energy = std::numeric_limits<double>::infinity();
   double stop_duration = 0.1;  ///< [s] in which the motion stops
-  double relief_force = 5.0;   ///< [N] while targets are held, ends yield to readings beyond it,
-  double relief_gain = 0.02;   ///< [m/(N s)] at this rate per newton beyond,
-  double relief_speed = 0.2;   ///< [m/s] and at most at this speed; not where a sensor failed
-  /// While targets are held: keeps a falling arm from jerking members tight.
+  double relief_force = 5.0;   ///< [N] reading beyond which ends yield while targets are held,
+  double relief_gain = 0.02;   ///< [m/(N s)] rate of yielding per newton beyond it,
+  double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; no yielding with a failed sensor
+  /// While targets are held: prevents a falling arm from jerking members.
   bool guard = true;
   TetherGuardOptions tether;  ///< its period is the controller's
 };
@@ -63,7 +63,7 @@ struct CooperativeInput {
   std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
   std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
   std::vector<char> healthy;              ///< 0: this arm no longer follows its targets
-  std::vector<char> located;  ///< 0: its position is unknown, and `position` holds an old one
+  std::vector<char> located;  ///< 0: its position is unknown, and `position` holds an old value
   std::vector<ForceReading> force;        ///< reading of each member
 };
 
@@ -75,11 +75,11 @@ struct TipTarget {
   Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] of x_d
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
   /// Part of position, velocity and acceleration by which the end yields while targets are held,
-  /// for arms that otherwise hold a position of their own.
+  /// for arms that otherwise hold their own position.
   TetherGuard::Motion relief{};
 };
 
-/// KTracking, or the reason why targets are held; only restart() leaves such a state.
+/// kTracking, or the reason for which targets are held; only restart() leaves such a state.
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
@@ -88,7 +88,7 @@ enum class CooperativeState {
   kSensorStale,
   kSensorStuck,
   kSensorJumped,  ///< a reading changed by more than the member's length and stiffness explain
-  kSensorDrifted,  ///< likewise, over a longer time
+  kSensorDrifted,  ///< the same, over a longer time
   kArmLost,
   kTargetMissed,
   kEnergyMade,
@@ -123,12 +123,12 @@ class CooperativeController {
   CooperativeController(const CooperativeOptions& options,
                         const std::vector<Eigen::Vector3d>& tips);
 
-  // Commands return false and change nothing while targets are held or if a number is out of range.
+  // Commands return false and change nothing while targets are held, or if a number is out of range.
 
   /// Moves the object by `displacement` [m] in the leader's axes (6.2).
   bool move(const Eigen::Vector3d& displacement, double duration) noexcept;
-  /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's
-  /// axes. False while another rotation goes on.
+  /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes. False
+  /// during another rotation.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
   /// Moves every follower away from the centroid, (6.4) with the sign that pulls.
   bool expand_grasp(double by, double duration) noexcept;
@@ -138,7 +138,7 @@ class CooperativeController {
   bool set_force(int member, double force, double duration) noexcept;
   /// Switches the force control of a member on or off.
   bool track(int member, bool on) noexcept;
-  /// Ends the motion and the change of forces: holds the position and the forces that have been reached.
+  /// Ends the motion and the change of forces: holds the present position and forces.
   void stop() noexcept;
 
   /// Clears the state that ended the task; targets start at the tips.
@@ -180,7 +180,7 @@ class CooperativeController {
     double last_force = 0.0, last_length = 0.0;  // of the previous sample
     std::optional<long> last_number;
     double silent = 0.0;                         // [s] since the start without any
-    bool compared = false;                       // with these, when the wanted force last arrived:
+    bool compared = false;  // the following are those of the moment when the wanted force last arrived
     double sound_force = 0.0, sound_length = 0.0;
     Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
   };
@@ -212,7 +212,7 @@ class CooperativeController {
   Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};
   VectorXd scratch3_, scratch1_, goal_;
-  bool arrived_ = false;  // the wanted forces, in the cycle before
+  bool arrived_ = false;  // the wanted forces had arrived in the previous cycle
   CooperativeState state_ = CooperativeState::kTracking;
 };
 

@@ -5,29 +5,28 @@
 
 namespace veridyn {
 
-/// Law that corrects the length of a member for the force in it: x_f of thesis 7.7.2, the [m] by
-/// which its ends move apart. With e = h_d - h_e, too little tension makes x_f grow.
+/// Law that corrects the length of a member by its force: x_f of thesis 7.7.2, the distance [m] by which its
+/// ends move apart. With e = h_d - h_e, too little tension increases x_f.
 struct ForceLaw {
   enum class Kind {
     kIncrement,    ///< 7.7.3: x_f moves by `increment` in the sign of e wherever |e| > deadband
-    kProportional  ///< (7.12): x_f += gain * e, extended by the terms below that the thesis lacks
+    kProportional  ///< (7.12): x_f += gain * e, with the terms below that the thesis does not have
   };
   Kind kind = Kind::kProportional;
   double deadband = 0.0;   ///< [N] no change of x_f within it
   double increment = 0.0;  ///< [m] per sample of the sensor
   /// K_f [m/(N s)]: per second, so that it does not depend on the sensor's rate
   double gain = 0.0;
-  double proportional = 0.0;  ///< [m/N] proportional term beside the integral of (7.12)
-  /// [s] Damping term that the thesis lacks: the ends yield to the measured rate of the member's
-  /// length, x_f - damping * dl/dt. With a follower of stiffness K it damps the member by K *
-  /// damping.
+  double proportional = 0.0;  ///< [m/N] proportional term in addition to the integral of (7.12)
+  /// [s] damping term that the thesis does not have: the ends yield to the measured rate of the member's
+  /// length, x_f - damping * dl/dt. With a follower of stiffness K it damps the member by K * damping.
   double damping = 0.0;
-  double feed_forward = 0.0;  ///< [m/N] times h_d: 1 / K of an impedance follower
+  double feed_forward = 0.0;  ///< [m/N] factor of h_d: 1 / K of an impedance follower
   double reach = 0.05;        ///< [m] largest |x_f|
   double stiffness = 0.0;  ///< [N/m] of the member as far as known, for the checks of the sensor
 };
 
-/// A proportional law for a member of that stiffness, held by an impedance of stiffness K and
+/// A proportional law for a member of stiffness `member_stiffness`, held by an impedance of stiffness K and
 /// damping D [N/m, N s/m]:
 ///
 ///   damping       critical for 1.4 kg on the member, limited to 120 N s/m by the noise of
@@ -42,8 +41,8 @@ ForceLaw tuned_force_law(double member_stiffness, double follower_stiffness, dou
 struct CooperativeMember {
   int from = 0, to = 1;  ///< arms, from 0
   ForceLaw law;
-  /// Share of x_f that each end takes where both are followers: 1/2 for position loops, which share
-  /// a length; 1 for impedances, which turn it into a force that is equal at both ends.
+  /// Share of x_f that each end takes if both are followers: 1/2 for position loops, which share a length; 1
+  /// for impedances, which turn it into a force that is equal at both ends.
   double share = 1.0;
 };
 
@@ -51,7 +50,7 @@ struct CooperativeMember {
 struct ForceReading {
   double force = 0.0;  ///< [N], positive in tension, filtered if the channel has a filter
   double age = 0.0;    ///< [s]
-  std::optional<long> number{};  ///< sequence number of the sample; nothing: none yet
+  std::optional<long> number{};  ///< sequence number of the sample; nullopt: none yet
   /// [N] unfiltered, for the stuck-sensor check; not finite: equal to `force`.
   double raw = std::numeric_limits<double>::quiet_NaN();
 };
@@ -66,10 +65,10 @@ class ForceTracker {
   void reset() noexcept;
 
   /// @param wanted  h_d [N]. @param rate  dl/dt as measured [m/s]. @param dt  [s] of the loop.
-  /// @returns change of the distance between the ends [m]; the last one where a number is not finite.
+  /// @returns change of the distance between the ends [m]; the last one if a number is not finite.
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
-  /// While targets are held, without a sensor: x_f is frozen, the damping term goes on.
+  /// While targets are held, without a sensor: x_f is frozen, and the damping term continues.
   double hold(double wanted, double rate) noexcept;
 
   double value() const { return value_; }        ///< result of the last update() or hold()

@@ -10,13 +10,13 @@
 namespace veridyn {
 
 enum class FrictionRule {
-  /// Friction in the direction of the wanted velocity; none within its deadband.
+  /// Friction in the direction of the wanted velocity; none within the velocity deadband.
   kVelocity,
-  /// Thesis 5.6.1 and listing 7.5.1 with the errata: as kVelocity, and within the velocity deadband
-  /// the friction at rest in the direction of the position error, if that exceeds its own deadband.
+  /// Thesis 5.6.1 and listing 7.5.1 with the errata: as kVelocity; within the velocity deadband the friction
+  /// at rest in the direction of the position error, if that exceeds its own deadband.
   kStickSlip,
-  /// Friction with memory by its state along the measured path; other friction in the direction of
-  /// the wanted motion, without jumps.
+  /// Friction with memory by its state along the measured path; other friction in the direction of the wanted
+  /// motion, without jumps.
   kPresliding,
   /// The best estimate of the present friction, for observers and not for compensation: memories by
   /// their state, other friction in the direction of the measured velocity, linear within its
@@ -43,17 +43,16 @@ struct FrictionOptions {
   Deadband tank_capacity{0.02, 0.002};
 };
 
-/// Compensates the friction that a model has identified, with the classes of the effects.
+/// Compensates the identified friction of a model, according to the classes of its effects.
 ///
-/// Terms along one axis c . q are one friction. Its sliding force is that of the terms at the
-/// present position, with memories fully sheared in the direction of motion; a wanted velocity that
-/// exceeds the measured one in this direction replaces it (listing 7.5.1, both directions).
+/// Terms along one axis c . q form one friction. Its sliding force is that of the terms at the present
+/// position, with memories fully sheared in the direction of motion. The speed is the measured one or, if it
+/// is larger in this direction, the wanted one (listing 7.5.1, both directions).
 ///
-/// Supervision: compensation acts along the measured motion and so feeds energy into it. Each axis
-/// has an energy tank: work of the compensation empties it, wanted motion fills it at the power of
-/// the friction at rest, up to `tank_capacity`. Compensation fades out over the last tenth of the
-/// tank, so that unwanted motion ends: it costs at most the content of one tank, however wrong the
-/// identified friction is.
+/// Supervision: compensation acts along the measured motion and so feeds energy into it. Each axis has an
+/// energy tank: the work of the compensation empties it, wanted motion fills it at the power of the friction
+/// at rest, up to `tank_capacity`. Compensation fades out over the last tenth of the tank, so that unwanted
+/// motion ends: its energy is at most the content of one tank, however wrong the identified friction is.
 ///
 ///   FrictionCompensation friction(arm);
 ///   every cycle: tau += friction.update(state, wanted.dq, error, 0.001);  // stored vectors
@@ -66,13 +65,13 @@ class FrictionCompensation {
   /// @param error  (n) wanted minus measured position of the joints; in Cartesian control
   ///               Impedance::joint_error().
   /// @param dt  [s] since the last update().
-  /// @returns (n), valid until the next update(); to be added to the torque. Zero, without a change
-  /// of state, where the arm's state is NaN or infinite.
+  /// @returns (n), valid until the next update(); to be added to the torque. Zero, without a change of state,
+  /// if the arm's state is NaN or infinite.
   /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const VectorXd& dq_wanted, const VectorXd& error,
                          double dt) noexcept;
 
-  /// Sets position and load of the axes for sliding() alone; memories and tanks stay as they are.
+  /// Sets position and load of the axes for sliding() alone; memories and tanks are unchanged.
   void locate(const ArmState& arm) noexcept;
 
   /// Clears the memories and fills the tanks.
@@ -80,7 +79,7 @@ class FrictionCompensation {
 
   int axes() const { return static_cast<int>(axes_.size()); }
   const VectorXd& axis(int k) const { return axes_[k].c; }
-  /// The coefficients of that axis that are not zero.
+  /// The nonzero coefficients of the axis.
   const std::vector<JointCoefficient>& terms(int k) const { return axes_[k].along; }
 
   bool prismatic(int k) const { return axes_[k].prismatic; }
@@ -104,7 +103,7 @@ class FrictionCompensation {
  private:
   struct Axis {
     VectorXd c;
-    std::vector<JointCoefficient> along;  // its entries that are not zero
+    std::vector<JointCoefficient> along;  // its nonzero entries
     double offset = 0.0;
     double squared = 0.0;  // |c|^2
     bool prismatic = false;
@@ -113,7 +112,7 @@ class FrictionCompensation {
     std::vector<BoundEffect> terms;
     double velocity_deadband = 0.0, position_deadband = 0.0, tank_capacity = 0.0;
     double scale = 1.0;
-    double at_rest = 0.0;  // the larger sliding force at rest of the two directions, if constant
+    double at_rest = 0.0;  // larger sliding force at rest of the two directions, if constant
     double energy = 0.0;   // content of the tank [J]
     double largest = 0.0;  // capacity of the tank [J]
     double s = 0.0, load = 0.0;

@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-/// One number for all joints (or directions of a task), or a number for each:
+/// One number for all joints (or directions of a task), or one number for each:
 ///
 ///   Gain stiff = 400;  Gain each = {25, 20, 75};  Gain stored = some_vector;
 class Gain {
@@ -16,8 +16,8 @@ class Gain {
   template <typename Vector>
   Gain(const Eigen::MatrixBase<Vector>& of_each) : values_(of_each) {}  // NOLINT: so is a vector
 
-  /// (n). @param what  name of the gain, for messages.
-  /// @throws InvalidInput  numbers of another count than 1 or n; one that is below zero or not finite.
+  /// The gains (n). @param what  name of the gain, for messages.
+  /// @throws InvalidInput  neither one number nor n; a number that is below zero or not finite.
   VectorXd of(Eigen::Index n, const char* what) const;
 
  private:

@@ -41,12 +41,11 @@ struct ImpedanceOptions {
 /// that the tip exerts on the world, as a force sensor between them measures it; h_a = T_A' h.
 /// J_a# is TaskInverse's.
 ///
-/// A force measurement with a delay T reduces the damping: with M_x the arm's own mass at the tip
-/// and K_e the stiffness of the environment, keep K_d above K_e T (1 - M_d / M_x). The gains of the
-/// thesis (3 N s/m, 0.35 kg on a spring of 2450 N/m) leave no margin at 1 kHz; friction stabilised
-/// them. A wanted velocity acts through K_d on the force, too:
-/// when x_d moves only to press harder, leave dx_d at zero. Nothing allocates after the
-/// constructor.
+/// A force measurement with a delay T reduces the damping: with M_x the arm's own mass at the tip and K_e the
+/// stiffness of the environment, choose K_d above K_e T (1 - M_d / M_x). The gains of the thesis (3 N s/m,
+/// 0.35 kg on a spring of 2450 N/m) leave no margin at 1 kHz; there, friction stabilised the loop. A wanted
+/// velocity acts on the force through K_d: if x_d moves only to press harder, leave dx_d at zero. Nothing
+/// allocates after the constructor.
 ///
 ///   Impedance control(arm, {"tool"}, gains);
 ///   state.update(q, dq);
@@ -68,8 +67,8 @@ class Impedance {
   /// y of the last update(), (n).
   const VectorXd& acceleration() const { return y_; }
 
-  /// Joint displacement that the law asks for at rest, (n): J_a# (x_d - x - K_p^-1 h_a), where K_p
-  /// is not zero. For FrictionCompensation.
+  /// Joint displacement (n) that the law requires at rest: J_a# (x_d - x - K_p^-1 h_a), where K_p is not
+  /// zero. For FrictionCompensation.
   const VectorXd& joint_error() const { return error_; }
 
   /// J_a# dx_d, (n): the wanted velocity in joint space. For FrictionCompensation.
@@ -79,7 +78,7 @@ class Impedance {
   const AnalyticalTask& task() const { return task_; }
   const TaskInverse& inverse() const { return inverse_; }
 
-  /// Sets gains for the next update(); returns false for gains that the constructor would refuse.
+  /// Sets gains for the next update(); false for gains that the constructor would refuse.
   bool set_gains(const ImpedanceGains& gains) noexcept;
   const ImpedanceGains& gains() const { return gains_; }
 

@@ -12,28 +12,27 @@ enum class ReachStatus {
 
 struct InverseKinematicsOptions {
   TaskRows rows = TaskRows::kPosition;
-  double position_tolerance = 1e-7;  ///< [m]: |p_d - p| <= this
-  double angle_tolerance = 1e-7;     ///< [rad]: the angle of R_d R' <= this
+  double position_tolerance = 1e-7;  ///< [m] bound of |p_d - p|
+  double angle_tolerance = 1e-7;     ///< [rad] bound of the angle of R_d R'
   int most_iterations = 60;
   /// Largest change of a joint per iteration [rad], or characteristic lengths.
   double longest_step = 0.4;
   TaskInverseOptions inverse{0.0, 0.02};
 };
 
-/// Joint positions for a pose of the tip, on any arm, within the limits of its file: Newton steps
-/// through TaskInverse, shortened until the error falls; joints that would leave their limits are
-/// held and the others go on. The run time is bounded and nothing is allocated, so that it may run
-/// in a loop from the last positions. Among many solutions it finds one near the start.
+/// Joint positions for a pose of the tip, on any arm, within the limits of its file: Newton steps through
+/// TaskInverse, shortened until the error decreases; joints that would leave their limits stay there while
+/// the others continue. The run time is bounded and nothing is allocated, so that a control loop can start
+/// from its last positions. Among many solutions it finds one near the start.
 ///
 ///   InverseKinematics inverse(arm, {"tool"});
-///   if (inverse.solve(position, rotation, q) == ReachStatus::kReached) ...   // q: start and
-///   result
+///   if (inverse.solve(position, rotation, q) == ReachStatus::kReached) ...   // q: start, then result
 class InverseKinematics {
  public:
   /// @throws InvalidInput  as TaskInverse; tolerances or steps that are not above zero.
   InverseKinematics(const Model& arm, const Tip& tip, const InverseKinematicsOptions& options = {});
 
-  /// @param position, R_world_tip  of the tip, in the world; the rotation counts for poses only.
+  /// @param position, R_world_tip  of the tip, in the world; the rotation is used for poses only.
   /// @param q  (n) initial guess, overwritten with the best positions found, within limits.
   ReachStatus solve(const Eigen::Vector3d& position, const Eigen::Matrix3d& R_world_tip,
                     VectorXd& q) noexcept;

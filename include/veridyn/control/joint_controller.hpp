@@ -28,21 +28,21 @@ inline void follow(const MotionSamples& motion, Eigen::Index row, JointReference
 
 enum class JointLaw {
   kComputedTorque,  ///< joints follow their reference, see ComputedTorque
-  kGravity,         ///< for guiding by hand: the arm is weightless, and references do not count
-  /// Each joint by itself, see JointPid; friction and the error of the model are not compensated.
+  kGravity,         ///< for guiding by hand: gravity is compensated, and references are ignored
+  /// Each joint on its own, see JointPid; friction and the error of the model are not compensated.
   kPid
 };
 
 struct JointControllerOptions {
-  Gain kp = 400.0;  ///< K_p [1/s^2]; of kPid [N m/rad], [N/m]
-  Gain kd = 40.0;   ///< K_d [1/s]; of kPid [N m s/rad], [N s/m]
-  Gain ki = 0.0;    ///< of kPid alone [N m/(rad s)], [N/(m s)]
+  Gain kp = 400.0;  ///< K_p [1/s^2]; for kPid [N m/rad], [N/m]
+  Gain kd = 40.0;   ///< K_d [1/s]; for kPid [N m s/rad], [N s/m]
+  Gain ki = 0.0;    ///< for kPid only [N m/(rad s)], [N/(m s)]
   JointLaw law = JointLaw::kComputedTorque;
   CycleOptions cycle{};
 };
 
-/// From encoder positions and a reference of the joints to the torques of the drives, every cycle:
-/// a ControlCycle around a law of the joints.
+/// Computes the torques of the drives from encoder positions and a reference of the joints, every cycle: a
+/// ControlCycle around a law of the joints.
 ///
 ///   JointController controller(arm, {400, 40});
 ///   Measured measured(arm.joints());
@@ -57,9 +57,9 @@ class JointController {
   /// @throws InvalidInput  as ControlCycle; gains that are not one or n numbers, none below zero.
   explicit JointController(const Model& arm, const JointControllerOptions& options = {});
 
-  /// @param measured  signals as the sensors show them. @param reference  true positions, (n).
-  /// @param dt  [s] since the previous update, as measured. @returns (n) torques as the drives count
-  /// them [N m], [N], always finite and within limits; valid until the next update().
+  /// @param measured  signals as measured by the sensors. @param reference  true positions, (n).
+  /// @param dt  [s] since the previous update, as measured. @returns (n) torques in the scale of the drives
+  /// [N m], [N], always finite and within limits; valid until the next update().
   const VectorXd& update(const Measured& measured, const JointReference& reference, double dt) noexcept {
     measure(measured, dt);
     return act(reference);
@@ -71,21 +71,21 @@ class JointController {
   }
   const VectorXd& act(const JointReference& reference) noexcept;
 
-  /// The reference that rests at these measured positions. Allocates.
+  /// A reference at rest at these measured positions. Allocates.
   JointReference reference_at(const Measured& measured) const;
 
   /// As ControlCycle::sent().
   void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }
 
   bool hold() noexcept { return cycle_.hold(); }   ///< as ControlCycle::hold()
-  void limp() noexcept { cycle_.limp(); }          ///< gravity and a little damping, until resume()
-  void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference begins where the arm is
-  void reset() noexcept;  ///< clears a fault and all that was observed
+  void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()
+  void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference must begin at the arm's position
+  void reset() noexcept;  ///< clears a fault and all observers
 
   std::optional<ControllerFault> fault() const noexcept { return cycle_.fault(); }
   int joints() const { return cycle_.joints(); }
   const ControlCycle& cycle() const { return cycle_; }
-  const ArmState& state() const { return cycle_.state(); }  ///< by true positions
+  const ArmState& state() const { return cycle_.state(); }  ///< with true positions
 
  private:
   ControlCycle cycle_;

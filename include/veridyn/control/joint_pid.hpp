@@ -13,10 +13,10 @@ struct PidGains {
 /// Bounds of JointPid, (n) each [N m], [N]; empty: none.
 struct PidLimits {
   VectorXd integral;  ///< largest output of the integral
-  VectorXd torque;    ///< the integral stops while the whole is beyond: anti-windup
+  VectorXd torque;    ///< torque limit; the integral stops while it is exceeded (anti-windup)
 };
 
-/// PID of each joint by itself, without a model. Nothing is allocated after the constructor.
+/// PID of each joint on its own, without a model. Nothing allocates after the constructor.
 class JointPid {
  public:
   /// @throws InvalidInput  vectors of different sizes, a gain that is negative or not finite, a limit

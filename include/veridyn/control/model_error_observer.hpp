@@ -15,17 +15,16 @@ struct ModelErrorOptions {
 ///
 ///   d <- d + bandwidth * M(q) (y dt - change of dq),   |d_i| <= limit_i
 ///
-/// a first-order disturbance observer. Joint and Cartesian control use it alike, with unchanged
-/// gains: it makes ddq = y, and at rest it raises the torque until friction breaks away. The part
-/// of the torque that the motors were not sent (limits of motors or boards, a supervisor that
-/// brakes) is no model error; sent() subtracts it,
+/// a first-order disturbance observer. It is the same for joint and Cartesian control, with unchanged gains:
+/// it makes ddq = y, and at rest it increases the torque until friction breaks away. Torque that the motors
+/// did not receive (because of limits of motors or boards, or a supervisor that brakes) is no model error;
+/// sent() subtracts it,
 ///
 ///   d <- d + bandwidth * (M(q) (y dt - change of dq) - (asked - sent) dt)
 ///
-/// and where a joint was sent less than asked, d does not grow further in that direction. In a
-/// contact without a force sensor the observer pushes with up to `limit` beyond the law, so the
-/// limit should be the uncertainty of the model: TorqueUncertainty computes it, every cycle if
-/// wanted.
+/// and if a joint received less torque than requested, d does not grow further in that direction. In a
+/// contact without a force sensor the observer adds up to `limit` to the force of the law, so that the limit
+/// should be the uncertainty of the model: TorqueUncertainty computes it, in every cycle if wanted.
 ///
 ///   ModelErrorObserver error(3, {10.0, limit});
 ///   every cycle: tau += error.update(state, control.acceleration(), 0.001);
@@ -42,12 +41,12 @@ class ModelErrorObserver {
   /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
 
-  /// To be called after update(), again whenever more is known about its cycle.
-  /// @param asked  (n) torque that would produce y. @param sent  (n) torque that the motors
-  /// received, after all limits. Without a call the two are taken as equal.
+  /// Call it after update(), again whenever the torques of its cycle are known better.
+  /// @param asked  (n) torque that would cause y. @param sent  (n) torque that the motors received, after all
+  /// limits. Without a call the two are assumed to be equal.
   void sent(const VectorXd& asked, const VectorXd& sent) noexcept;
 
-  /// Sets limits for the next update(); returns false for limits that the constructor would refuse.
+  /// Sets limits for the next update(); false for limits that the constructor would refuse.
   bool set_limit(const VectorXd& limit) noexcept;
 
   /// Clears the estimate: after a fault, or before the motors are switched on.
@@ -55,8 +54,8 @@ class ModelErrorObserver {
 
   const VectorXd& torque() const { return d_; }
 
-  /// (n) torque that the law lacked in the last cycle: d of the update() before and what even with it
-  /// was missing, M(q) (y - change of dq / dt), noise of the velocities included. For estimators.
+  /// (n) torque missing from the law in the last cycle: d of the previous update(), plus the torque that was
+  /// missing in spite of it, M(q) (y - change of dq / dt), with the noise of the velocities. For estimators.
   const VectorXd& missing() const { return missing_; }
 
  private:

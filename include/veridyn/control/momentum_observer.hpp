@@ -13,8 +13,8 @@ namespace veridyn {
 
 struct MomentumObserverOptions {
   double bandwidth = 30.0;         ///< [1/s]
-  UncertaintyOptions uncertainty;  ///< Uncertainty behind the threshold
-  int cycles = 5;                  ///< above the threshold in a row, before it is a contact
+  UncertaintyOptions uncertainty;  ///< uncertainty of the model, from which the threshold follows
+  int cycles = 5;                  ///< cycles in a row above the threshold that make a contact
   TaskInverseOptions inverse;
 };
 
@@ -22,12 +22,12 @@ struct MomentumObserverOptions {
 ///
 ///   r = bandwidth (integral of (tau_motor - friction - g - forces + C' dq - r) dt - p + p(0))
 ///
-/// follows the torque J' h that the arm spends on the world, with a lag of 1 / bandwidth; no
-/// acceleration is needed. A contact is where |r_i| exceeds what the model itself may be wrong by
-/// in this motion (TorqueUncertainty) for some cycles. It is named by link: torques of coordinates
-/// that lie beyond the touched link stay zero, so it sits on the first link that the outermost
-/// coordinate with a torque moves, or further out along the directions that no joint notices.
-/// Source: De Luca and Mattone, ICRA 2005. Nothing allocates after the constructor.
+/// follows the torque J' h that the arm exerts on the world, with a lag of 1 / bandwidth; no acceleration is
+/// needed. A contact is detected if |r_i| exceeds the uncertainty of the model in this motion
+/// (TorqueUncertainty) for some cycles. It is assigned to a link: coordinates beyond the touched link have no
+/// torque, so that the contact is on the first link that the outermost coordinate with a torque moves, or
+/// farther out along directions in which the joints feel nothing. Source: De Luca and Mattone, ICRA 2005.
+/// Nothing allocates after the constructor.
 ///
 ///   MomentumObserver touch(arm, {"tool"});
 ///   every cycle: touch.update(state, tau_of_last_cycle, control.acceleration(), 0.001);
@@ -38,12 +38,11 @@ class MomentumObserver {
   ///                       is not above zero.
   MomentumObserver(const Model& arm, const Tip& tip, const MomentumObserverOptions& options = {});
 
-  /// @param tau_motor  (n) true ones that acted since the last update(), best as commanded; measured
-  /// ones come late by JointSensors::torque_delay(), and so does what is observed. @param ddq  (n) wanted, for the
-  /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N]; it
-  /// starts afresh where a number is none or dt is below zero.
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// @param tau_motor  (n) true torques since the last update(), preferably as commanded; measured ones are
+  /// late by JointSensors::torque_delay(), which delays the estimate. @param ddq  (n) wanted, for the
+  /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N]; it restarts if a number is
+  /// not finite or dt is below zero.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const VectorXd& tau_motor, const VectorXd& ddq,
                          double dt) noexcept;
 
@@ -56,11 +55,11 @@ class MomentumObserver {
   Eigen::Vector3d force() const { return wrench_.head<3>(); }
 
   bool contact() const { return coordinate_.has_value(); }
-  /// The outermost coordinate whose torque is above its threshold; nothing: no contact.
+  /// The outermost coordinate whose torque is above its threshold; nullopt: no contact.
   std::optional<JointIndex> coordinate() const {
     return coordinate_ ? std::optional(JointIndex{*coordinate_}) : std::nullopt;
   }
-  /// The frame that is named; nothing: no contact, or no frame with a body moves with that coordinate.
+  /// The touched frame; nullopt: no contact, or that coordinate moves no frame with a body.
   std::optional<FrameIndex> frame() const {
     return coordinate_ && frames_[*coordinate_] >= 0 ? std::optional(FrameIndex{frames_[*coordinate_]}) : std::nullopt;
   }
@@ -71,7 +70,7 @@ class MomentumObserver {
   FrictionCompensation friction_;
   TorqueUncertainty uncertainty_;
   TaskInverse inverse_;
-  std::vector<int> frames_;  // by coordinate: the first frame with a body that it moves
+  std::vector<int> frames_;  // for each coordinate the first frame with a body that it moves
   std::vector<int> order_;   // coordinates from the tip inwards
   VectorXd r_, gradient_, threshold_, sum_, p_, p_start_, none_;
   Vector6d wrench_{Vector6d::Zero()};

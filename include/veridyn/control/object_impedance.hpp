@@ -32,9 +32,9 @@ struct ObjectImpedanceOptions {
   double angular_stiffness = 0.0;  ///< [N m/rad]
 };
 
-/// Multiple impedance control: the object has an impedance of its own, and so has each hand, about
-/// the same motion. The force for the object's inertia and weight is fed forward to the hands, so
-/// that a heavy object neither lags nor sags:
+/// Multiple impedance control: the object has its own impedance, and so has each hand, about the same motion.
+/// The force for the object's inertia and weight is fed forward to the hands, so that a heavy object neither
+/// lags nor sags:
 ///
 ///   a   = a_d + (D (v_d - v) + K (x_d - x) + f_env) / M_d        and likewise for turning
 ///   F   = m (a - g) - f_env,   N = I alpha + omega x I omega - n_env
@@ -55,16 +55,16 @@ class ObjectImpedance {
   /// Sets the force with which two hands pull against each other [N]; tension is positive.
   bool set_internal_force(int hand, int other, double force) noexcept;
 
-  /// Estimates the object's motion from its hands: Gauss-Newton steps from the last estimate. Two
-  /// hands do not observe a rotation about the line between them; it keeps its last value, and so does
-  /// everything in a cycle with a number that is not finite.
+  /// Estimates the object's motion from its hands: Gauss-Newton steps from the last estimate. Two hands do
+  /// not determine a rotation about the line between them, which keeps its last value. If a number is not
+  /// finite, the whole estimate keeps its last value.
   const ObjectMotion& estimate(const std::vector<Eigen::Vector3d>& positions,
                                const std::vector<Eigen::Vector3d>& velocities) noexcept;
 
   /// Sets the initial estimate.
   void reset(const ObjectMotion& motion) noexcept { now_ = motion; }
 
-  /// @param force, moment  of the environment on the object, where known [N, N m].
+  /// @param force, moment  exerted by the environment on the object, as far as known [N, N m].
   const std::vector<TipTarget>& update(const ObjectMotion& now, const ObjectMotion& wanted,
                                        const Eigen::Vector3d& force,
                                        const Eigen::Vector3d& moment) noexcept;

@@ -6,9 +6,9 @@ namespace veridyn {
 
 /// Moves a point from its present position, velocity and acceleration to rest at a goal: each entry
 /// follows the polynomial of degree five that meets all six conditions. A new goal during a move
-/// starts from the present state, so that velocity and
-/// acceleration never jump. Joint vectors and task coordinates alike (Cartesian moves along a
-/// straight line; the thesis moves 5 mm in 1 s this way). Nothing allocates after the constructor.
+/// starts from the present state, so that velocity and acceleration do not jump. Works for joint vectors and
+/// for task coordinates (Cartesian moves along a straight line; the thesis moves 5 mm in 1 s with it).
+/// Nothing allocates after the constructor.
 ///
 ///   QuinticInterpolator way(x_start);
 ///   way.move_to(x_goal, 1.0);
@@ -18,14 +18,14 @@ class QuinticInterpolator {
   /// Starts at rest at x. @throws InvalidInput  x has no entries or one that is not finite.
   explicit QuinticInterpolator(const VectorRef& x);
 
-  /// Sets the point to x, at rest; nothing changes if x has another size or an entry that is not finite.
+  /// Sets the point to x, at rest; no change if x has another size or an entry that is not finite.
   void reset(const VectorXd& x) noexcept;
 
-  /// Arrives at `goal` at rest after `duration` [s]. False, and nothing changes, if the goal has
-  /// another size or an entry that is not finite, or the duration is not above zero.
+  /// Moves to `goal`, to arrive at rest after `duration` [s]. False, without a change, if the goal has
+  /// another size or an entry that is not finite, or if the duration is not above zero.
   bool move_to(const VectorXd& goal, double duration) noexcept;
 
-  /// Stops within `duration`; the goal lies ahead by half of it at the present velocity.
+  /// Stops within `duration`; the goal is ahead by half of it at the present velocity.
   bool stop(double duration) noexcept;
 
   /// Advances the time by dt [s] >= 0; the point rests at the goal once it is reached.
@@ -37,7 +37,7 @@ class QuinticInterpolator {
   const VectorXd& ddx() const { return ddx_; }
   const VectorXd& goal() const { return goal_; }
 
-  /// Duration of a move from rest over `distance` that keeps within a velocity and acceleration.
+  /// Duration of a move from rest over `distance` within a velocity and an acceleration.
   static double duration_for(double distance, double velocity, double acceleration) noexcept;
 
  private:

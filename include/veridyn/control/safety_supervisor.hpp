@@ -29,8 +29,8 @@ enum class SafetyFault {
   kOverrun,      ///< a cycle took longer than allowed
   kPosition,     ///< beyond a limit, or too fast to stop before it
   kVelocity,
-  kTracking,    ///< too far from where it should be
-  /// the controller asks for more than the motor's limit, or at a standstill for nearly as much, for too long
+  kTracking,    ///< too far from the wanted position
+  /// the controller requests more than the motor's limit, or nearly as much at a standstill, for too long
   kTorque,
   kForce,       ///< more than allowed at the tip
   kForceSensor,  ///< the force is NaN or infinite, older than allowed, or disagrees with the
@@ -41,13 +41,13 @@ enum class SafetyFault {
 
 /// Action applied to the motors.
 enum class SafetyAction {
-  kMotorsOff,  ///< zero torque (and brakes, where the arm has them)
+  kMotorsOff,  ///< zero torque (and brakes, if the arm has them)
   kPass,       ///< the controller's torque, within the motors' limits
-  kHold,       ///< brakes with the model's help, then holds the position where it stopped
-  kRelease,    ///< gravity compensation and damping alone: yields to external forces
-  /// The torque that held the arm at its last valid position and, decaying with `braking`, most of
-  /// the torque that stops its last valid momentum; no feedback. For counterbalanced arms; others
-  /// need their brakes.
+  kHold,       ///< brakes with the help of the model, then holds the position where the arm stopped
+  kRelease,    ///< gravity compensation and damping only: yields to external forces
+  /// The torque that held the arm at its last valid position plus, decaying with `braking`, most of the
+  /// torque that stops its last valid momentum; no feedback. For counterbalanced arms; others need their
+  /// brakes.
   kFreeze
 };
 
@@ -55,9 +55,8 @@ enum class SafetyAction {
 const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
 
-/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze where positions cannot be
-/// trusted, kRelease for forces, kHold for all others. Among several faults the strongest action
-/// applies, in this order.
+/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze if positions are unreliable,
+/// kRelease for forces, kHold for all others. Of several faults the strongest action applies, in this order.
 SafetyAction action_of(SafetyFault fault) noexcept;
 
 struct SafetyLimits {
@@ -75,7 +74,7 @@ struct SafetyLimits {
   double torque_seconds = 0.2;        ///< [s] of motor saturation that is allowed
   double homing_share = 0.2;          ///< share of the velocity limit while homing
   double braking = 30.0;              ///< [1/s]: braking is -braking dq; stops within dq / braking
-  /// [s] within which the kinetic energy of a held arm must halve. Braking alone takes ln 2 / (2
+  /// [s] within which the kinetic energy of a held arm must decrease to a half. Braking alone takes ln 2 / (2
   /// braking) = 12 ms; a motor at its limit takes longer.
   double held_seconds = 0.1;
   /// Share of the velocity limits below which a held arm is at rest: from then on a spring holds
@@ -83,23 +82,24 @@ struct SafetyLimits {
   /// acceleration it causes.
   double rest_share = 0.05;
   double runaway = 1.5;  ///< factor on the velocity limit: motors off if there is a fault already
-  /// Share of every parameter, UncertaintyOptions::relative: a holding torque deviates from the
-  /// model by at most what TorqueUncertainty at rest and the measured force explain.
+  /// Relative error of every parameter, UncertaintyOptions::relative: a holding torque may deviate from the
+  /// model by at most TorqueUncertainty at rest plus the effect of the measured force.
   double model_error = 0.1;
 };
 
-/// Position and velocity limits of the robot file; its effort limits where it gives any, else
-/// `torque` for every joint; a tracking error of 5 % of the range.
+/// Position and velocity limits of the robot file; its effort limits if it has any, else `torque` for every
+/// joint; a tracking error of 5 % of the range.
 SafetyLimits safety_limits(const Model& arm, double torque);
 
-/// Inputs of the supervisor in a cycle, beside the arm's state.
+/// Inputs of the supervisor in a cycle, in addition to the arm's state.
 struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
   double dt = 0.001;               ///< [s] since the last update, as measured
-  /// [s] age of the positions, counted from the request for them; where it has grown by dt they are those of the last cycle
+  /// [s] age of the positions, since they were requested; if it has grown by dt, they are those of the last
+  /// cycle
   double sensor_age = 0.0;
-  double sensor_age_range = 0.0;   ///< [s] by which they may be younger: until they arrived
+  double sensor_age_range = 0.0;   ///< [s] by which they may be younger: the time until they arrived
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world
   double force_age = 0.0;          ///< [s] age of the force
   Eigen::Vector3d force_expected{0, 0, 0};  ///< MomentumObserver::force(); NaN: no comparison
@@ -113,10 +113,10 @@ struct SafetyEvent {
   double after = 0.0;  ///< [s] since the first fault
 };
 
-/// Checks every cycle between controller and motors. On a fault it takes over within that cycle
-/// with the action defined for the fault, and reports the reason. Checks go on in a fault: a later
-/// fault with a stronger action takes over. Nothing allocates or throws after the constructor; the
-/// reason is an enum with fixed texts.
+/// Checks every cycle between controller and motors. On a fault it takes over within the same cycle with the
+/// action defined for the fault, and reports the reason. Checks continue during a fault: a later fault with a
+/// stronger action takes over. Nothing allocates or throws after the constructor; the reason is an enum with
+/// fixed texts.
 ///
 ///   safety.enable(); ... safety.activate();
 ///   tau = safety.update(state, input, tau);
@@ -126,7 +126,7 @@ class SafetySupervisor {
   /// @throws InvalidInput  limits of wrong size, without order, or not above zero.
   SafetySupervisor(const Model& arm, const SafetyLimits& limits);
 
-  // Transitions return false and change nothing where they are not allowed.
+  // Transitions return false and change nothing if they are not allowed.
   bool enable() noexcept;    ///< kDisabled -> kReady
   bool home() noexcept;      ///< kReady -> kHoming
   bool homed() noexcept;     ///< kHoming -> kReady
@@ -140,9 +140,9 @@ class SafetySupervisor {
   const VectorXd& update(const ArmState& arm, const SafetyInput& input,
                          const VectorXd& tau) noexcept;
 
-  /// Sets the torque beyond the model that holds the arm (ModelErrorObserver::torque()), (n), for
-  /// kFreeze and kHold; ignored once there is a fault. Entries that are not finite count as zero;
-  /// at a fault each is limited to what SafetyLimits::model_error and the measured force explain.
+  /// Sets the torque (n) in addition to the model's that holds the arm (ModelErrorObserver::torque()), for
+  /// kFreeze and kHold; ignored once there is a fault. Entries that are not finite count as zero; at a fault
+  /// each entry is limited as described at SafetyLimits::model_error.
   void set_holding_torque(const VectorXd& extra) noexcept;
 
   SafetyState state() const { return state_; }
@@ -180,12 +180,12 @@ class SafetySupervisor {
   SafetyFault fault_ = SafetyFault::kNone;
   SafetyAction action_ = SafetyAction::kMotorsOff;
   std::optional<int> joint_ = {};
-  bool seen_ = false;     // a valid position has been seen
+  bool seen_ = false;     // a valid position has been received
   bool stopped_ = false;  // while holding: q_hold_ is the position held
   double disagreed_ = 0.0;
   double frozen_for_ = 0.0;  // [s]
-  double age_ = 0.0;          // [s] of the positions in the cycle before
-  double since_sound_ = 0.0;  // [s] from the measurement of q_sound_ to that of the positions now
+  double age_ = 0.0;          // [s] age of the positions in the previous cycle
+  double since_sound_ = 0.0;  // [s] between the measurement of q_sound_ and that of the present positions
   double fault_for_ = 0.0;   // [s]
   bool watched_ = false;     // while held: energy_ is the reference of its kinetic energy
   double energy_ = 0.0, slow_for_ = 0.0;  // [J], since [s]

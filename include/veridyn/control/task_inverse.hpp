@@ -13,10 +13,10 @@ namespace veridyn {
 enum class TaskRows { kPosition = 3, kPose = 6 };
 
 struct TaskInverseOptions {
-  /// [m] that weighs one metre against one radian; 0: characteristic_length() of the arm.
+  /// [m] length at which one metre weighs as much as one radian; 0: characteristic_length() of the arm.
   double length = 0.0;
-  /// Singular values of the normalised Jacobian below this are raised to it: the inverse never asks
-  /// for more than 1 / threshold normalised units of joint motion per unit of the task.
+  /// Singular values of the normalised Jacobian below this are raised to it: the inverse never gives more
+  /// than 1 / threshold normalised units of joint motion for one unit of the task.
   double threshold = 0.05;
 };
 
@@ -62,8 +62,8 @@ class TaskInverse {
   /// Computes y (n) from a (first `rows` entries used) and a posture y0 (n).
   void solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept;
 
-  /// The wrench that balances joint torques, J' h = tau in the least-squares sense: h = J#' tau,
-  /// first `rows` entries; in singular directions it stays small. Other entries are zero.
+  /// The wrench that balances joint torques, J' h = tau in the least-squares sense: h = J#' tau, first `rows`
+  /// entries; it remains small in singular directions. Other entries are zero.
   void solve_wrench(const VectorXd& tau, Vector6d& h) noexcept;
 
   /// Holds coordinate i: from the next update() on its column counts as zero, until release().

@@ -7,10 +7,10 @@ namespace veridyn {
 
 struct TetherGuardOptions {
   double period = 1e-3;      ///< [s] of update()
-  /// [m] of slack that is kept once a member has had twice as much slack
+  /// [m] slack that is kept after a member has had twice as much
   double margin = 0.005;
   double horizon = 0.03;     ///< [s] time constant of the approach to the largest length
-  /// [N] of compression that identifies a spring or a bar, as opposed to a string
+  /// [N] compression that identifies a spring or a bar, as opposed to a string
   double least_push = 0.5;
   double rest = 0.1;  ///< [s] in which the guard's motion decays when no member is near its limits
   double acceleration = 40.0;  ///< [m/s^2] largest acceleration and
@@ -18,9 +18,9 @@ struct TetherGuardOptions {
   double smoothing = 40.0;     ///< [Hz] bandwidth of the estimated velocities and accelerations
 };
 
-/// Keeps members from being jerked tight by an arm that has lost its torque: the ends that still
-/// follow move along with it. The peak force of a string is k^1/2 m^1/2 v within milliseconds,
-/// before any force sensor reacts; but encoders show the falling arm tenths of a second earlier.
+/// Prevents an arm that has lost its torque from jerking members: the ends that still follow move along with
+/// it. The peak force of a string is k^1/2 m^1/2 v within milliseconds, before any force sensor reacts;
+/// encoders, however, measure the falling arm tenths of a second earlier.
 ///
 /// With the length L of a member between its tips and the largest allowed length L_max, every
 /// healthy end gets the acceleration that keeps
@@ -42,7 +42,7 @@ class TetherGuard {
  public:
   struct Member {
     int from = 0, to = 1;
-    double stiffness = 0.0;  ///< [N/m] as far as known; 0: the length under load counts as unloaded
+    double stiffness = 0.0;  ///< [N/m] as far as known; 0: the length under load is taken as the unloaded length
   };
   /// Correction of an end's reference.
   struct Motion {
@@ -63,7 +63,8 @@ class TetherGuard {
   void reset_member(int member) noexcept;
 
   /// While targets are held, once per period.
-  /// @param position, healthy  one entry for each arm: its tip [m], passed over if not finite; 0: it does not follow its target.
+  /// @param position, healthy  one entry for each arm: its tip [m], skipped if not finite; 0 if it does not
+  /// follow its target.
   /// @param force  [N] allowed in a member.
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
@@ -77,7 +78,7 @@ class TetherGuard {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
-    bool looked = false;  // at a finite position
+    bool looked = false;  // has had a finite position
   };
   void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;

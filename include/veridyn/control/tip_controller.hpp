@@ -28,9 +28,9 @@ struct TipControllerOptions {
   CycleOptions cycle{};
 };
 
-/// From encoder positions, a force sensor if there is one, and a reference of the tip to the torques
-/// of the drives, every cycle: a ControlCycle around Impedance. The arm may leave its reference, so
-/// that the supervisor does not compare the two.
+/// Computes the torques of the drives from encoder positions, a force sensor if there is one, and a reference
+/// of the tip, every cycle: a ControlCycle around Impedance. The arm may leave its reference, so that the
+/// supervisor does not compare the two.
 ///
 ///   TipController controller(arm, {2, 100, 100});
 ///   TaskReference wanted = controller.reference_at(measured);
@@ -42,10 +42,10 @@ class TipController {
   /// @throws InvalidInput  as ControlCycle and Impedance.
   explicit TipController(const Model& arm, const TipControllerOptions& options = {});
 
-  /// @param measured  signals as the sensors show them; `wrench` is zero without
-  /// a force sensor. @param reference  coordinates of the tip, see AnalyticalTask.
-  /// @param dt  [s] since the previous update, as measured. @returns (n) torques as the drives count
-  /// them [N m], [N], always finite and within limits; valid until the next update().
+  /// @param measured  signals as measured by the sensors; `wrench` is zero without a force sensor. @param
+  /// reference  coordinates of the tip, see AnalyticalTask.
+  /// @param dt  [s] since the previous update, as measured. @returns (n) torques in the scale of the drives
+  /// [N m], [N], always finite and within limits; valid until the next update().
   const VectorXd& update(const Measured& measured, const TaskReference& reference, double dt) noexcept {
     measure(measured, dt);
     return act(reference);
@@ -56,7 +56,7 @@ class TipController {
   }
   const VectorXd& act(const TaskReference& reference) noexcept;
 
-  /// The reference that rests at these measured positions. Allocates.
+  /// A reference at rest at these measured positions. Allocates.
   TaskReference reference_at(const Measured& measured) const;
 
   /// Gains of the next update(); false for gains that the constructor would refuse.
@@ -65,14 +65,14 @@ class TipController {
   void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }
 
   bool hold() noexcept { return cycle_.hold(); }   ///< as ControlCycle::hold()
-  void limp() noexcept { cycle_.limp(); }          ///< gravity and a little damping, until resume()
-  void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference begins where the arm is
-  void reset() noexcept { cycle_.reset(); }        ///< clears a fault and all that was observed
+  void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()
+  void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference must begin at the arm's position
+  void reset() noexcept { cycle_.reset(); }        ///< clears a fault and all observers
 
   std::optional<ControllerFault> fault() const noexcept { return cycle_.fault(); }
   int joints() const { return cycle_.joints(); }
   const ControlCycle& cycle() const { return cycle_; }
-  const ArmState& state() const { return cycle_.state(); }  ///< by true positions
+  const ArmState& state() const { return cycle_.state(); }  ///< with true positions
   const TipKinematics& tip() const { return state().tip(); }
 
  private:

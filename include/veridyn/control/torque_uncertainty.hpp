@@ -54,7 +54,7 @@ class TorqueUncertainty {
   bool identified_ = false;
   VectorXd unexplained_;     // (n) [N m], [N] rms
   std::vector<int> column_;  // columns of Y with uncertain parameters
-  MatrixXd factor_;          // (factors x columns) F', covariance F F'; its diagonal where it has no other
+  MatrixXd factor_;          // (factors x columns) F', covariance F F'; only a diagonal without a covariance
   MatrixXd Y_;               // (n x 10 bodies)
   MatrixXd sum_;             // (factors x n) F' Y', or (1 x n) squares
   VectorXd u_;

@@ -21,11 +21,11 @@ class VelocityObserver {
   /// @param bandwidth  [1/s] @throws InvalidInput  not above zero.
   explicit VelocityObserver(int joints, double bandwidth = 300.0);
 
-  /// @param ddq  (n) expected acceleration; zeros where unknown. Constant offsets of the encoders
-  /// have no effect.
-  /// @returns dq (n), zero at the first update(). Positions that are not finite are skipped: pass
-  /// NaN where no new sample arrived, and the velocity is extrapolated. Nothing changes where
-  /// dt is not finite or not above zero.
+  /// @param ddq  (n) expected acceleration; zeros if unknown. Constant offsets of the encoders have no
+  /// effect.
+  /// @returns dq (n), zero at the first update(). Positions that are not finite are skipped: pass NaN if no
+  /// new sample has arrived, and the velocity is extrapolated. Nothing changes if dt is not finite or not
+  /// above zero.
   /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
 

@@ -17,7 +17,7 @@ namespace veridyn {
 /// Treatment of dependences without a named cause.
 enum class UnnamedForces {
   kReported,  ///< reported as findings, outside the extended model
-  kKept,      ///< those that can be a force become tables (tabulated_force) of the extended model
+  kKept,      ///< those that a force can have become tables (tabulated_force) of the extended model
 };
 
 struct DiagnosisOptions {
@@ -30,16 +30,16 @@ struct DiagnosisOptions {
   std::vector<std::string> effects;
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   UnnamedForces unnamed = UnnamedForces::kReported;
-  /// Provenance of the robot's values; nullopt: as its file says.
+  /// Provenance of the robot's values; nullopt: as given in its file.
   std::optional<RobotValues> values{};
-  /// Thresholds of the steps before and after the search; those of the search itself cannot be set.
+  /// Thresholds of the steps before and after the search; those of the search itself are fixed.
   Thresholds thresholds;
   /// Called with (number tested, total) in every round of tests, by one thread at a time. diagnose()
   /// sets it; users set identification.progress.
   std::function<void(int, int)> testing{};
 };
 
-/// One number of a finding.
+/// A parameter of a finding.
 struct FoundParameter {
   std::string name;
   std::string unit;
@@ -52,7 +52,7 @@ struct FoundParameter {
 struct Rival {
   Cause cause;
   std::string why;
-  double share = 1.0;  ///< gain in place of the finding, as a share of the finding's
+  double share = 1.0;  ///< gain in place of the finding, relative to the finding's own
 };
 
 /// Result of cross-validation on the training recordings, with all other findings in the model. All findings of
@@ -63,8 +63,9 @@ enum class FindingStatus {
 };
 const char* name_of(FindingStatus status);
 
-/// Effect of a finding on the error of the test recordings. kAgrees: it falls, on the finding's own joint too. Without a
-/// MODEL diagnose() removes causes that the test recordings contradict; against an identified model it reports them.
+/// Effect of a finding on the error of the test recordings. kAgrees: it decreases, on the finding's own joint
+/// too. Without a MODEL diagnose() removes causes that the test recordings contradict; for a MODEL it reports
+/// them.
 enum class Agreement { kAgrees, kContradicts, kNotMeasured };
 const char* name_of(Agreement agreement);
 
@@ -75,14 +76,14 @@ struct CurvePoint {
   double low = 0.0, high = 0.0;
 };
 
-/// Dependence of a residual on signals, where no known cause has that shape.
+/// Dependence of a residual on signals that does not have the shape of a known cause.
 struct UnnamedShape {
   static constexpr const char* kName = "unnamed";
   /// One or two of "q1".., "dq1".., "tau1".. (the model's torque), "history1".. (signed travel since the last reversal)
   /// and "t" (since the recording began).
   std::vector<std::string> signals;
   std::vector<std::string> units;
-  /// The second signal is a velocity of which only the sign counts: one curve for each direction.
+  /// Only the sign of the second signal, a velocity, matters: one curve for each direction.
   bool on_sides = false;
   std::string words;  ///< description: "one-sided: nothing below 0.43 rad, ..."
   std::string effort;  ///< unit of the values
@@ -94,7 +95,7 @@ struct UnnamedShape {
 struct Finding {
   int rank = 0;
   Cause cause;                      ///< words_of() converts it to text
-  std::optional<JointIndex> joint;  ///< acting_joint() of the cause; nothing: the whole arm
+  std::optional<JointIndex> joint;  ///< acting_joint() of the cause; nullopt: the whole arm
   std::optional<JointIndex> from;   ///< the other joint of a coupling or of a crosstalk
   std::string phrase;               ///< description without the place: "a spring of 2 N m/rad"
   std::string remark;               ///< a sentence on its size if that is unusual
@@ -113,7 +114,7 @@ struct Finding {
   VectorXd folds_before, folds_after;
   /// For a contact: (n) relative error of the test recordings outside of all contacts.
   VectorXd test_outside;
-  double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
+  double explains = 0.0;  ///< share of the removable held-out error; negative if it grows
 
   Agreement held_out() const;
   FindingStatus status = FindingStatus::kConfirmed;
@@ -140,12 +141,11 @@ struct CannotTell {
   std::string why;
 };
 
-/// The recording that would separate confounded causes, or show best the curve of an unnamed
-/// dependence.
+/// The recording that would separate confounded causes, or show the curve of an unnamed dependence best.
 struct NextExperiment {
   std::vector<Cause> between;  ///< the two causes to separate; empty: none
   std::string shows;  ///< "what joint 1 depends on over q1", where `between` is empty
-  int slow_passes = 0;         ///< ExcitationOptions::slow_passes that it needs
+  int slow_passes = 0;         ///< required ExcitationOptions::slow_passes
 
   /// Cause k of `between` as text: "payload on wrist", "torque_gain on joint 2".
   std::string words(const Model& arm, size_t k) const;
@@ -155,7 +155,7 @@ struct NextExperiment {
 enum class JointState {
   kAtFloor,     ///< the residual contains nothing predictable
   kNamed,       ///< named findings explain the residual, or most of it
-  kUnnamed,  ///< the residual depends on signals of the recordings as no known cause does
+  kUnnamed,  ///< the residual depends on signals of the recordings in a form that no known cause has
   kCannotTell,  ///< the residual is above the floor, and the recordings do not show its cause
 };
 const char* name_of(JointState state);
@@ -167,16 +167,15 @@ enum class FloorSource {
 };
 const char* name_of(FloorSource source);
 
-/// Errors of one joint that add up, relative, on every row of the held-out recordings: held_out =
-/// floor + removable; named findings remove held_out - extended of it, unnamed ones extended -
-/// left.
+/// Relative errors of one joint that add up, on every row of the held-out recordings: held_out = floor +
+/// removable. Named findings remove held_out - extended of it, unnamed ones extended - left.
 struct JointVerdict {
   JointIndex joint;
-  double held_out = 0.0;  ///< of the unmodified model
+  double held_out = 0.0;  ///< error of the unmodified model
   double floor = 0.0;
   double removable = 0.0;
-  double extended = 0.0;  ///< with the named findings
-  double left = 0.0;      ///< with the unnamed ones as well
+  double extended = 0.0;  ///< error with the named findings
+  double left = 0.0;      ///< error with the unnamed findings as well
   FloorSource source = FloorSource::kRegression;
   JointState state = JointState::kAtFloor;
   std::string why;  ///< reason of kCannotTell
@@ -187,19 +186,19 @@ struct DiagnosisSummary {
   int main = 0;  ///< number of findings that together explain nine tenths of the error; they come first
   double explained_by_main = 0.0;  ///< share of the removable held-out error
   double explained_by_all = 0.0;
-  std::vector<int> worse_joints;   ///< from 1: the extended model predicts them worse than the
-                                   ///< baseline does, on the held-out recordings
+  std::vector<int> worse_joints;   ///< from 1: their held-out error is larger with the extended model
+                                   ///< than with the baseline
 };
 
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
   bool changes = false;  ///< the robot was an identified model: findings are changes since its identification
-  /// Findings that are not main are a list of their own in JSON and counted in one line of the report; false: listed
-  /// behind the others.
+  /// True: findings that are not main form their own list in JSON and are counted in one line of the report;
+  /// false: they are listed after the others.
   bool small_apart = false;
-  bool mended = false;  ///< recordings or robot were transformed as the faults in `data_quality` say
+  bool mended = false;  ///< corrections for the faults in `data_quality` were applied to recordings or robot
   DiagnosisSummary summary;
-  Identification baseline;  ///< the unmodified robot; the values of an identified model are not fitted
+  Identification baseline;  ///< the unmodified robot; a MODEL's values are not fitted
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
   std::vector<JointVerdict> joints;  ///< one for each
@@ -213,13 +212,13 @@ struct Diagnosis {
   /// Sentences on velocities that were derived from positions, and on constants of the model's own effects that
   /// changed in the extended model.
   std::vector<std::string> remarks;
-  NextExperiment next_experiment;  ///< empty if there is nothing to separate
-  bool provisional = false;        ///< one training recording only: names are provisional
-  /// Friction, offsets and rotor inertia of the extended model, where the file has no friction and
-  /// plain friction was added from the start; these are no findings.
+  NextExperiment next_experiment;  ///< empty if no causes are confounded
+  bool provisional = false;        ///< there is only one training recording: names are provisional
+  /// Friction, offsets and rotor inertia of the extended model, if the file has no friction and plain
+  /// friction was added; these are no findings.
   std::vector<JointNumber> friction;
   std::string friction_remark;     ///< text on the friction that was added; empty: none was
-  /// The arm with the findings, or as the baseline has it; without joints if nothing could be fitted.
+  /// The arm with the findings, or the baseline's; without joints if nothing could be fitted.
   Model model;
   int hypotheses = 0;              ///< number of candidates tested
   double seconds = 0.0;
@@ -227,11 +226,11 @@ struct Diagnosis {
   /// Place and phrase of one of the findings in one sentence.
   std::string sentence(const Finding& finding) const;
 
-  /// One sentence: the first finding, and the held-out error of the whole; "none" where every joint
-  /// is at its floor; why, where the recordings cannot tell.
+  /// One sentence: the first finding with the held-out error of all findings; "none" if every joint is at its
+  /// floor; otherwise the reason for which the recordings do not show a cause.
   std::string verdict() const;
 
-  /// False where the recordings do not allow a search: every joint's verdict says why.
+  /// False if the recordings do not allow a search: every joint's verdict states the reason.
   bool has_answer() const;
 
   /// @param next_command  command line that designs the next experiment; empty: the report names
@@ -247,13 +246,13 @@ std::ostream& operator<<(std::ostream& out, const Diagnosis& diagnosis);
 void save(const Diagnosis& diagnosis, const std::string& path, const std::string& command = "diagnose",
           const std::string& robot = {});
 
-/// Finds the physical causes of what the robot's model leaves unexplained. Causes are selected and fitted on the training
-/// recordings, and so is the extended model. The test recordings measure the gain; of a robot file, causes that they
-/// contradict are removed.
+/// Finds the physical causes of the torques that the robot's model leaves unexplained. Causes are selected
+/// and fitted on the training recordings, and so is the extended model. The test recordings measure the gain;
+/// for a robot file, causes that they contradict are removed.
 ///
-/// An arm without values is identified first, and every fit estimates its parameters anew. Of an identified model the findings are
-/// **changes since its identification**, such as a payload, a drive gain, an encoder's zero, a change of friction: its
-/// parameters move only as far as their covariance allows.
+/// An arm without values is identified first, and every fit estimates its parameters again. For a MODEL the
+/// findings are **changes since its identification**, such as a payload, a drive gain, an encoder's zero or a
+/// change of friction: its parameters vary only within their covariance.
 ///
 /// One search compares effects, errors of channels, constants of the robot file, the direction of gravity, loads and
 /// curves without a name by one score: the cross-validated error and the prior probability of a cause (docs/diagnosis.md).
@@ -266,7 +265,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
 /// diagnose() of an identification, with its training recordings, their preprocessing and the friction that it added.
 /// Recordings in memory are not read again, and the first fit uses the identification's factors. An identification
 /// without a model is returned as the baseline.
-/// @throws InvalidInput  it was made of factors alone; as identify().
+/// @throws InvalidInput  the identification has factors only, without recordings; as identify().
 Diagnosis diagnose(const Identification& fit, const Recordings& test, const DiagnosisOptions& options = {});
 
 }  // namespace veridyn

@@ -19,7 +19,7 @@ struct FrictionAtSpeed {
   int runs = 0;
 };
 
-/// One breakaway: a joint at rest under a slowly growing torque begins to slide.
+/// One breakaway: a joint at rest under a slowly increasing torque begins to slide.
 struct FrictionBreakaway {
   std::string source;
   double time = 0.0;    ///< [s] since the recording began
@@ -45,9 +45,9 @@ struct FrictionVerdict {
 };
 
 struct JointFrictionStudy {
-  JointIndex joint;      ///< in the robot
+  JointIndex joint;      ///< index in the robot
   std::string coordinate, unit, effort;  ///< "insertion", "m", "N"
-  FrictionCurve curve;   ///< its joint is that of the arm without the joints at rest
+  FrictionCurve curve;   ///< its joint index is that of the arm without the joints at rest
   std::vector<FrictionAtSpeed> speeds;
   std::vector<FrictionBreakaway> breakaways;
   std::vector<FrictionVerdict> verdicts;
@@ -59,11 +59,11 @@ struct JointFrictionStudy {
 /// The result of study_friction() for all joints that move. Text, JSON and page show exactly this.
 struct FrictionStudy {
   std::string robot;
-  std::vector<std::string> resting;  ///< coordinates that are left out
-  std::vector<std::string> held_out; ///< recordings, or parts of them, that the verdicts were validated on
+  std::vector<std::string> resting;  ///< coordinates that are not studied
+  std::vector<std::string> held_out; ///< recordings, or parts of them, on which the verdicts were validated
   std::vector<JointFrictionStudy> joints;
   Diagnosis diagnosis;    ///< of the arm without the joints at rest
-  Identification fitted;  ///< the same arm with all confirmed effects, fitted to all rows; the curves are its own
+  Identification fitted;  ///< the same arm with all confirmed effects, fitted to all rows; the curves are those of this fit
   std::string reason;     ///< reason for which there is no result; empty otherwise
 
   std::string report() const;

@@ -19,16 +19,16 @@ enum class ComparisonVerdict {
   kCannotTell,  ///< neither file carries the statistics of its identification
 };
 
-/// Provenance of a model file and the statistics that it carries.
+/// Provenance of a model file, and the statistics in it.
 struct ComparedModel {
   std::string name;
   std::vector<std::string> recordings;
   int clusters = 0;         ///< 0: the file has no statistics, and its values count as exact
-  VectorXd training_error;  ///< (n) relative; empty where the file does not say
+  VectorXd training_error;  ///< (n) relative; empty if the file does not have it
   std::string note;  ///< reason for which statistics of the file are not used; empty otherwise
 };
 
-/// A difference of the two files other than one of values.
+/// A difference between the two files that is not one of values.
 struct StructureDifference {
   std::string kind;      ///< "effect", "body", "shape", "geometry", "gravity", "drive_gain" or "facts"
   std::string sentence;  ///< whole sentence for the user
@@ -43,8 +43,8 @@ struct ModelDifference {
   std::string expression;  ///< the combination, as `identify` writes it; else empty
   std::string unit;
   std::string effect;   ///< name of the effect, for its parameters; else empty
-  std::string same_as;  ///< expression of the one base parameter that a joint's number consists of
-  /// For a parameter, the joint where it has the largest share of the torque.
+  std::string same_as;  ///< expression of the only base parameter in a joint's number
+  /// For a parameter, the joint in whose torque it has the largest share.
   JointIndex joint;
   std::string coordinate;  ///< its name
   double before = 0.0;     ///< unconstrained least squares, to which the statistics belong
@@ -57,7 +57,7 @@ struct ModelDifference {
   double degrees_of_freedom = 0.0;
   double low = 0.0, high = 0.0;     ///< 95 % interval of the difference, for this number alone
   double p_value = 1.0;
-  double p_corrected = 1.0;  ///< Holm, over all numbers compared (same_as counts once)
+  double p_corrected = 1.0;  ///< Holm's correction over all compared numbers (same_as counts once)
   bool significant = false;
   VectorXd torque;  ///< (n) rms torque, over the standard motion, of a parameter's difference
   std::string sentence;  ///< whole sentence for a technician
@@ -70,7 +70,7 @@ struct TorqueDifference {
   double before = 0.0, after = 0.0;  ///< rms torque of either model
   double difference = 0.0;           ///< rms
   double share = 0.0;                ///< difference / before
-  /// Rms difference that scatter alone would cause; NaN: neither model has any.
+  /// Rms difference due to scatter alone; NaN: neither model has any.
   double by_chance = 0.0;
   double bodies = 0.0;     ///< rms contribution of masses, moments and inertias
   double effects = 0.0;    ///< rms contribution of friction and the other effects
@@ -105,14 +105,14 @@ struct ModelComparison {
   std::string report() const;
 };
 
-/// Compares two models that `identify` or `diagnose` wrote for one arm, such as months apart or
-/// before and after a repair.
+/// Compares two models of one arm written by `identify` or `diagnose`, for example months apart, or before
+/// and after a repair.
 ///
-/// Standard parameters are not unique, so base parameters are compared: every combination that the
-/// recordings of both models determine, in whatever combinations the second file is written. Base
-/// parameters are correlated, so the torques of every joint are compared as well. Each difference
-/// is divided by its standard deviation from the clusters of both identifications. Files without
-/// statistics (written by hand) count as exact.
+/// Standard parameters are not unique, so that base parameters are compared: every combination that the
+/// recordings of both models determine, independent of the combinations in the second file. Base parameters
+/// are correlated, so that the torques of every joint are compared as well. Each difference is divided by its
+/// standard deviation from the clusters of both identifications. Files without statistics (written by hand)
+/// count as exact.
 ///
 /// @throws InvalidInput  the models are of two different robots (coordinates, frames or bodies), or
 ///                       one of them has no values.

@@ -13,7 +13,8 @@ namespace veridyn {
 /// [kg] largest magnitude of a load in the search.
 constexpr double kHeaviestLoad = 200.0;
 
-/// A load that the model lacks, or has and the arm does not (a negative mass), assumed on one link.
+/// A load, assumed on one link, that the arm has and the model does not; a negative mass if the model has it
+/// and the arm does not.
 struct PayloadEstimate {
   std::string frame;  ///< frame of the link, in which the following vectors are written
   /// Frames of other links with indistinguishable motion, any of which may carry it.
@@ -25,7 +26,7 @@ struct PayloadEstimate {
   /// In a direction that the torques do not determine (along parallel axes without gravity) it is
   /// the largest distance of a load.
   Eigen::Vector3d com_half_width = Eigen::Vector3d::Zero();
-  std::array<bool, 3> seen = {true, true, true};  ///< directions that the torques determine
+  std::array<bool, 3> seen = {true, true, true};  ///< directions of the centre that the torques determine
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< mass times centre [kg m]
   Eigen::Vector3d moment_half_width = Eigen::Vector3d::Zero();
   /// About the centre of mass (xx, xy, yy, xz, yz, zz) [kg m^2], beyond the point mass;
@@ -35,9 +36,9 @@ struct PayloadEstimate {
   InertialParameters phi = InertialParameters::Zero();  ///< parameters of the point mass
   double gain = 0.0;       ///< decrease of the sum over joints of ln(held-out mean square residual)
   double explained = 0.0;  ///< share of the model's residual that it explains, over all joints
-  double most_off = kHeaviestLoad;  ///< [kg] mass of the link, the most that can be taken off
-  bool at_bound = false;   ///< mass or centre lies at a bound of the search: no finding
-  std::vector<std::string> unexplained{};  ///< joints that the load acts on and whose error stays far above that of the model
+  double most_off = kHeaviestLoad;  ///< [kg] mass of the link, which bounds a negative load
+  bool at_bound = false;   ///< mass or centre is at a bound of the search: no finding
+  std::vector<std::string> unexplained{};  ///< joints on which the load acts and whose error stays far above that of the model
   /// True if the interval of the mass excludes zero.
   bool has_mass() const;
   /// Residual per joint divided by that of the unmodified model, (n): with friction and offsets of
@@ -47,21 +48,21 @@ struct PayloadEstimate {
 
 struct PayloadReport {
   std::string robot;
-  /// One for every class of links with indistinguishable motion, best first; of those within
-  /// Thresholds::tie of the best gain the outermost, as diagnose() does.
+  /// One for each class of links with indistinguishable motion, best first; of those within Thresholds::tie
+  /// of the best gain the outermost is first, as in diagnose().
   std::vector<PayloadEstimate> links;
   /// Relative errors, (n): of the unmodified model; with friction and offsets of the joints that
   /// carry the best load fitted again; with that load in addition. All fitted to these recordings.
   VectorXd error_before, error_with_drift, error_after;
   std::string reason;  ///< reason why there is no estimate; empty otherwise
   std::vector<std::string> remarks{};  ///< sentences on the assumptions of the values and intervals
-  double smallest_gain = 0.0;  ///< Thresholds::smallest_change, the bound on the gain in found()
+  double smallest_gain = 0.0;  ///< Thresholds::smallest_change, the bound of the gain in found()
   double seconds = 0.0;
 
   /// True if the best load lowers the held-out error by more than the model's own error, explains every joint that it
   /// acts on, and the interval of its mass or its moment excludes zero.
   bool found() const;
-  std::string headline() const;  ///< one line: the load, with its interval, or why there is none
+  std::string headline() const;  ///< one line: the load with its interval, or the reason for which there is none
 
   std::string report() const;
 };
@@ -81,7 +82,7 @@ PayloadReport find_payload(const Model& model, const Recordings& recordings,
                            const IdentificationOptions& options = {}, const std::string& link = {},
                            const Thresholds& limits = {});
 
-/// The same from poses at rest, whose gravity determines mass and centre. Where the direction of approach is
+/// The same from poses at rest, in which gravity determines mass and centre. If the direction of approach is
 /// unknown, the model's dry friction widens the intervals.
 PayloadReport find_payload_at_rest(const Model& model, const std::vector<RestPoses>& poses, const std::string& link = {},
                                    const Thresholds& limits = {});

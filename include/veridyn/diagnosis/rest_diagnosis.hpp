@@ -7,8 +7,9 @@
 
 namespace veridyn {
 
-/// diagnose() from poses at rest: forces of position beside gravity, offsets and dry friction, such as those of
-/// springs, cables and harnesses. Joints that do not move between the poses are left out.
+/// diagnose() from poses at rest: forces that depend on the position in addition to gravity, offsets and dry
+/// friction, such as those of springs, cables and harnesses. Joints that do not move between the poses are
+/// excluded.
 ///
 /// A cause is accepted if three conditions hold. In cross-validation on the training poses the sum over joints of
 /// ln(mean square residual) falls by more than `smallest_gain`; the error of the cause's own joint falls in every part

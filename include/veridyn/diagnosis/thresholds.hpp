@@ -44,7 +44,7 @@ struct ThresholdEntry {
 /// The table of all thresholds, in the order of the struct.
 const std::vector<ThresholdEntry>& threshold_table();
 
-/// The entry of that name. @throws InvalidInput  it does not exist.
+/// The entry with this name. @throws InvalidInput  it does not exist.
 const ThresholdEntry& find_threshold(const std::string& name);
 
 }  // namespace veridyn

@@ -13,12 +13,12 @@ namespace veridyn {
 struct WatchNumbers;
 
 struct WatchOptions {
-  /// [s] at the beginning, in which the noise is estimated and nothing is reported
+  /// [s] at the beginning, during which the noise is estimated and nothing is reported
   double learn = 4.0;
-  double learn_more = 32.0; ///< [s] until which the noise estimate is refined while nothing changes
+  double learn_more = 32.0; ///< [s] up to which the noise estimate is refined while nothing changes
   double false_alarms = 1.0;  ///< false alarms per hour on an arm without changes
   double step = 0.1;          ///< [s] over which residuals are averaged
-  /// [s] after an alarm, within which the best cause is reported in any case
+  /// [s] after an alarm, at which the best cause is reported in any case
   double longest_naming = 5.0;
   double refine = 5.0;  ///< [s] after the isolation, in which the size of the cause is refined
   /// Frames that a load may be added to; empty: bodies and last frames.
@@ -32,10 +32,11 @@ enum class WatchStage {
   kRefined,    ///< the same size estimated from more data
   kOver,       ///< a contact that has ended
   kPresent,    ///< a difference from the model at the beginning; it is part of the reference and raises no alarm
-  kWithdrawn,  ///< the isolated cause was wrong: another one explains more, and follows with the same id
-  /// The rows are unusable from this time on: none arrive, they are not finite, their times do not increase, or
-  /// rows or a torque stay constant while the arm moves. Also if their clock was set back; later events have the
-  /// new times. It has no cause; its id is that of a change that was suspected at this time, or 0.
+  kWithdrawn,  ///< the isolated cause was wrong: another one explains more and follows with the same id
+  /// The rows are unusable from this time on: none arrive, they are not finite, their times do not increase,
+  /// or rows or a torque stay constant while the arm moves. Also if their clock was set back; later events
+  /// then have the new times. It has no cause. Its id is that of a change that was suspected at this time, or
+  /// 0.
   kBlind,
 };
 const char* name_of(WatchStage stage);
@@ -44,7 +45,7 @@ const char* name_of(WatchStage stage);
 struct WatchRival {
   Cause cause;
   std::string text;        ///< its text form, "payload:tool"
-  double evidence = 0.0;   ///< log-likelihood below that of the best cause
+  double evidence = 0.0;   ///< difference of its log-likelihood from that of the best cause
 };
 
 /// One event of a watch.
@@ -69,8 +70,8 @@ struct WatchState {
   bool learning = true;
   bool alarmed = false;  ///< a change is being isolated
   double heard = 0.0;    ///< [s] of the last row, usable or not
-  double blind = 0.0;    ///< [s] so far in which nothing could be watched, see WatchStage::kBlind
-  double set_back = 0.0; ///< [s] by which the rows' clock was set back so far
+  double blind = 0.0;    ///< [s] in which the watch had no usable rows, see WatchStage::kBlind
+  double set_back = 0.0; ///< [s] by which the clock of the rows was set back
   double strength = 0.0; ///< largest statistic divided by its threshold
   std::string suspect;   ///< cause with that statistic
   /// (n) mean over the step: measured minus modelled torque, known changes compensated
@@ -116,14 +117,14 @@ class Watch {
   /// whole recording.
   void learn(const Recording& quiet);
 
-  /// Processes the next rows and returns their events. Rows whose time does not increase, and repeated rows, are
-  /// skipped. A pause of more than half a second begins a new segment, and so does a clock that was set back, which
-  /// is recognised after a quarter of a second. The noise estimate and the isolated changes are kept.
-  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, other
-  /// signals than in the rows before.
+  /// Processes the next rows and returns their events. Rows whose time does not increase, and repeated rows,
+  /// are skipped. A pause of more than half a second begins a new segment, as does a clock that was set back,
+  /// which is recognised after a quarter of a second. The noise estimate and the isolated changes are kept.
+  /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, or other
+  /// signals than in the previous rows.
   std::vector<WatchEvent> add(const Recording& rows);
 
-  /// Reports changes that are still open at the end of the rows.
+  /// Reports changes that have not ended at the end of the rows.
   std::vector<WatchEvent> finish();
 
   const WatchState& state() const;

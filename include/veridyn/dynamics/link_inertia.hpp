@@ -80,7 +80,7 @@ inline void link_inertias(const Links& tree, const double* phi, LinkInertia* out
       moved.h = {0, 0, 0};
       I = {I.m, I.h, 0, 0, 0, 0, 0, 0};
     }
-    // A prismatic link has the parent's directions, and a couple is the same about every origin.
+    // A prismatic link has the axes of its parent, and a couple is the same about every origin.
     if (link.parent >= 0) inertia_detail::add(moved, link.A, out[link.parent]);
   }
 }

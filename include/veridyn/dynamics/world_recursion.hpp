@@ -129,8 +129,8 @@ inline void add_reduced(const Symmetric3<S>& A, const Vec3<S>& a, const Vec3<S>&
   to.zz += A.zz - a.z * b.z;
 }
 
-/// What resists a motion of a link if the joints that it carries move freely: moment = J w + H v,
-/// force = H' w + M v.
+/// Resistance of a link to a motion if the joints that it carries move freely: moment = J w + H v, force = H'
+/// w + M v.
 template <typename S>
 struct ArticulatedInertia {
   Symmetric3<S> J;

@@ -39,8 +39,8 @@ struct ChannelError {
   std::optional<JointIndex> joint;  ///< nullopt: an error of the whole arm
 };
 
-/// The numbers that place a frame in a robot file: those of a DH row, those of a joint's origin as
-/// in URDF, and the ratio of a coordinate in the frame's joint variable.
+/// The numbers that determine the pose of a frame in a robot file: those of a DH row, those of a joint's
+/// origin as in URDF, and the ratio of a coordinate in the frame's joint variable.
 enum class FrameNumber { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
 
 /// One number of one frame.
@@ -55,7 +55,7 @@ struct NamedConstant {
   std::string name;
 };
 
-/// The zero of a joint, which shifts every variable that the joint is part of.
+/// The zero of a joint, which shifts every joint variable that contains its coordinate.
 struct JointZero {
   JointIndex joint;
 };
@@ -72,8 +72,8 @@ struct ExternalContact {
   JointIndex joint;
 };
 
-/// A possible error of a model, with its place. Diagnosis finds causes, excitation separates them,
-/// simulation injects them; all use this type.
+/// A possible error of a model, with its place. This one type is used by diagnosis, which finds causes, by
+/// excitation, which separates them, and by simulation, which injects them.
 ///
 /// Its text form is EFFECT:PLACE, where PLACE is a joint (name or number from 1), the frame of a
 /// load, "arm", or a constant, by its name or after its frame or joint: "backlash:2",
@@ -93,7 +93,7 @@ struct CauseText {
 /// Splits "EFFECT:PLACE" or "EFFECT" at the first colon, without looking anything up.
 CauseText split_cause(const std::string& words);
 
-/// "EFFECT:PLACE", or "EFFECT" where there is no place.
+/// "EFFECT:PLACE", or "EFFECT" without a place.
 std::string to_text(const CauseText& cause);
 
 /// Resolves the text form of a cause against an arm.
@@ -106,18 +106,18 @@ Cause find_cause(const Model& arm, const CauseText& cause, const std::string& wh
 /// Applies split_cause() and then find_cause().
 Cause parse_cause(const Model& arm, const std::string& words);
 
-/// The text form, with the joint's name: "backlash:elbow". parse_cause() reads it back.
+/// The text form, with the joint's name: "backlash:elbow"; parse_cause() is its inverse.
 std::string to_text(const Model& arm, const Cause& cause);
 
 /// The name in files and findings: "backlash", "payload".
 std::string effect_of(const Cause& cause);
 
-/// The joint or the frame that the cause names, if any.
+/// The joint or the frame in the text form of the cause, if any.
 std::optional<JointIndex> joint_of(const Cause& cause);
 std::optional<FrameIndex> frame_of(const Cause& cause);
 
-/// The joint at which the cause acts. For a load or a number of a frame's row it is the last joint
-/// that moves the frame; nullopt: the whole arm.
+/// The joint on which the cause acts. For a load or a number of a frame's row it is the last joint that moves
+/// the frame; nullopt: the whole arm.
 std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause);
 
 /// True if both are the same effect at the same joint or frame; a new effect equals a changed one.

@@ -33,7 +33,7 @@ struct RigidColumn {
 /// A key under which a channel error is injected into a simulation.
 struct InjectedValue {
   std::string key;   ///< "gain"
-  double initial;    ///< value where the request gives none
+  double initial;    ///< value if the request has none
   double zero;       ///< value without any error; parameter = value - zero
   bool nonnegative;  ///< true: values below `zero` are refused
 };
@@ -49,8 +49,8 @@ class ChannelEffect : public Effect {
   /// True if one cause may put the same error on all joints, such as a common clock or amplifier.
   virtual bool can_be_common() const { return false; }
 
-  /// True if the torque of joint i depends on it; `joint` is the one whose channel has the error,
-  /// nothing where all have the same one (can_be_common()).
+  /// True if the torque of joint i depends on it; `joint` is the one whose channel has the error, nullopt if
+  /// all have the same one (can_be_common()).
   virtual bool acts_on(int i, std::optional<JointIndex> joint) const = 0;
 
   /// Torque per unit of every parameter, (rows x n) each; columns of joints for which acts_on() is
@@ -64,8 +64,8 @@ class ChannelEffect : public Effect {
   /// These columns; empty if they vanish for this arm, for example without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> joint) const;
 
-  /// Adds the error to an arm. @param joint  nothing: all joints. @param from  the other joint of an error
-  /// that uses a source.
+  /// Adds the error to an arm. @param joint  nullopt: all joints. @param from  the other joint of an error
+  /// with a source.
   virtual void apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
                      const std::vector<double>& values) const = 0;
 
@@ -100,24 +100,23 @@ class SensorError : public ChannelEffect {
   virtual bool may_begin_suddenly() const { return false; }
 };
 
-/// A property of the whole arm that is part of its dynamics, such as the mounting of its base. Any
-/// row of the regressor may depend on it.
+/// A property of the whole arm that is part of its dynamics, such as the mounting of its base. Any row of the
+/// regressor may depend on it.
 class ArmEffect : public ChannelEffect {
  public:
   bool whole_arm() const final { return true; }
   EffectTraits traits(const ShapeValues& shape) const override;
   bool acts_on(int /*i*/, std::optional<JointIndex> /*joint*/) const override { return true; }
 
-  /// Gives the arm this property, either through facts that every model has (its gravity) or as a
-  /// term among its arm_effects, see term_of(). Such a term contributes its columns times its
-  /// values.
+  /// Gives the arm this property, either through a property that every model has (its gravity) or as a term
+  /// among its arm_effects, see term_of(). Such a term contributes its columns times its values.
   virtual void change(ModelDescription& arm, const std::vector<double>& values) const = 0;
 
   /// Further starting points of the iteration, for effects that the linearisation at zero does not describe.
   virtual std::vector<std::vector<double>> far_values() const { return {}; }
 
-  /// The values that change one arm into the other. @param sum  of all successive changes: the
-  /// default result; override it if changes do not add.
+  /// The values that change one arm into the other. @param sum  of all successive changes: the default
+  /// result; override the function if changes do not add.
   virtual std::vector<double> values_between(const ModelDescription& /*without*/, const ModelDescription& /*with*/,
                                              std::vector<double> sum) const {
     return sum;
@@ -154,11 +153,10 @@ const ChannelEffect* channel_effect(const std::string& name);
 /// All channel effects in the order of docs/contract.md; registered ones follow.
 const std::vector<const ChannelEffect*>& channel_effects();
 
-/// The joint whose channel the term concerns; nothing where its axis is zero and the error can
-/// be common to all.
+/// The joint whose channel the term concerns; nullopt if its axis is zero and the error can be common to all.
 std::optional<JointIndex> channel_joint(const ChannelEffect& effect, const EffectTerm& term);
 
-/// The joint that an error comes from; nothing: it has no source.
+/// The joint from which an error comes; nullopt: it has no source.
 std::optional<JointIndex> channel_source(const EffectTerm& term);
 
 /// The arm with the error that `term` describes.

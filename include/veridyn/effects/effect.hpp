@@ -61,12 +61,12 @@ struct EffectShape {
   std::string name;
   std::string unit_revolute;
   std::string unit_prismatic;
-  double initial = 0.0;  ///< value where the file gives none
+  double initial = 0.0;  ///< value if the file has none
   double lower = 0.0;    ///< range of the search
   double upper = 0.0;
   bool logarithmic = true;  ///< search in the logarithm; a value from the file must be positive
   bool searched = true;     ///< false: taken from the file or the caller and never searched
-  /// Initial value along prismatic axes, where it differs; 0: the same.
+  /// Initial value along prismatic axes, if different; 0: the same.
   double initial_prismatic = 0.0;
   ShapeScale scale = ShapeScale::kByUnit;  ///< unit of the entries of `grid`
   /// Initial values of a search. Empty: three of kByUnit for a searched constant; a constant that
@@ -108,9 +108,9 @@ using ShapeValues = std::array<double, kMaxEffectShapes>;
 using EffectState = std::array<double, kMaxEffectStates>;
 using EffectColumns = std::array<double, kMaxEffectParameters>;
 
-/// One physical cause of torque beyond the rigid bodies, with all its properties. An effect is one
-/// class in one file: identification, diagnosis, excitation, simulation and control use this
-/// interface, and none of them knows its name. See docs/adding-an-effect.md.
+/// One physical cause of torque in addition to the rigid bodies, with all its properties. An effect is one
+/// class in one file: identification, diagnosis, excitation, simulation and control use this interface and do
+/// not depend on its name. See docs/adding-an-effect.md.
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -178,8 +178,8 @@ bool has_axis_effect(const std::string& name);
 const std::vector<const Effect*>& all_effects();
 const std::vector<const AxisEffect*>& axis_effects();
 
-/// Registers a user's effect: from then on robot files may name it, and every command and class
-/// treats it like a built-in one. Call it before models are read, from one thread.
+/// Registers a user's effect: from then on robot files may contain it, and every command and class treats it
+/// like a built-in one. Call it before models are read, from one thread.
 ///
 /// @returns the effect, which lives as long as the program.
 /// @throws InvalidInput  the name is taken, too many parameters or constants, or a constant whose
@@ -189,9 +189,8 @@ const Effect& register_effect(std::unique_ptr<const Effect> effect);
 /// An effect of a model prepared for loops: shape constants looked up, axis copied, state owned.
 class BoundEffect {
  public:
-  /// @throws InvalidInput  unknown effect, a key in the file that the effect does not have, a
-  ///                       number that is not finite, a shape constant that is not positive where
-  ///                       it must be, or a coupling without `from`.
+  /// @throws InvalidInput  unknown effect, a key in the file that the effect does not have, a number that is
+  /// not finite, a shape constant that must be positive and is not, or a coupling without `from`.
   BoundEffect(const Model& arm, const EffectTerm& term);
 
   const AxisEffect& effect() const { return *effect_; }
@@ -208,7 +207,7 @@ class BoundEffect {
   /// "presliding_hysteresis(yaw, distance 0.005).level".
   std::string parameter_name(int p) const;
 
-  /// Parameter values of the file, zero where it gives none.
+  /// Parameter values of the file, zero if it has none.
   const EffectColumns& values() const { return values_; }
   bool has_values() const { return has_values_; }
 

@@ -18,9 +18,9 @@ enum class DryFriction {
   kVarying,   ///< the sign of ds times a level that depends on them
 };
 
-/// Properties by which other folders treat an effect. They belong to a class *and* its constants:
-/// load-dependent friction remembers the path only if it has a distance. Tests compare each
-/// property with the columns.
+/// Properties that determine how other folders treat an effect. They belong to a class *and* its constants:
+/// load-dependent friction remembers the path only if it has a distance. Tests compare each property with the
+/// columns.
 struct EffectTraits {
   EffectRole role = EffectRole::kForce;
 
@@ -31,7 +31,7 @@ struct EffectTraits {
   bool uses_source = false;        ///< from_s, from_ds: needs EffectTerm::from
   bool uses_load = false;          ///< load: needs the values of the bodies
 
-  bool memory = false;  ///< a row depends on the rows before it
+  bool memory = false;  ///< a row depends on earlier rows
   DryFriction dry = DryFriction::kNone;
   bool affine = false;  ///< torque = constant + a s + b ds + c dds, at all times
 

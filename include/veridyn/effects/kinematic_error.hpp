@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// All numbers that place a frame: of its DH row, or of its joint's origin, then every ratio.
+/// All numbers that determine the pose of a frame: of its DH row or of its joint's origin, then every ratio.
 std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex frame);
 
 /// "theta", "yaw", "ratio of pitch".
@@ -27,7 +27,7 @@ double value_of(const KinematicError& error, const ModelDescription& arm);
 /// Sets that value. A zero shifts all joint variables that the coordinate is part of.
 void set_value(const KinematicError& error, double value, ModelDescription& arm);
 
-/// Sets numbers of frames at once; of two for the same number the later one counts.
+/// Sets numbers of frames at once; of two values for one number the later one is used.
 void set_values(const std::vector<std::pair<FrameConstant, double>>& values, ModelDescription& arm);
 
 }  // namespace veridyn

@@ -38,15 +38,15 @@ const char* name_of(ExcitationCriterion criterion);
 /// Optimisation method.
 enum class ExcitationSolver {
   kInteriorPoint,  ///< primal-dual interior point with exact gradients and Jacobian
-  kIpopt,          ///< Ipopt, where the library was built with it
-  kNlopt,          ///< sequential quadratic programming of NLopt, where the library was built with it
-  kRandom,         ///< random motions within the joints' limits; the best of them
+  kIpopt,          ///< Ipopt, if the library was built with it
+  kNlopt,          ///< sequential quadratic programming of NLopt, if the library was built with it
+  kRandom,         ///< the best of several random motions within the joints' limits
 };
 
 /// "interior-point", "ipopt", "nlopt", "random".
 const char* name_of(ExcitationSolver solver);
 
-/// False for Ipopt and NLopt where the library was built without them.
+/// False for Ipopt and NLopt if the library was built without them.
 bool is_built_in(ExcitationSolver solver);
 
 /// Scaling of the base regressor's columns before the condition number is computed.
@@ -64,19 +64,18 @@ const char* name_of(ColumnScaling scaling);
 struct ExcitationOptions {
   double frequency = 0.13;  ///< [Hz] of the first harmonic
   int harmonics = 5;        ///< at least 2: a single harmonic cannot start at rest
-  double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
+  double duration = 30.0;   ///< [s] requested; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
-  /// Slow passes to and fro of every joint (for kDiscriminate: of the joints of the two causes)
-  /// after the last period, for friction: at constant speed and within all limits. The criterion
-  /// does not include them.
+  /// Slow passes back and forth of every joint (for kDiscriminate: of the joints of the two causes) after the
+  /// last period, for friction: at constant speed and within all limits. The criterion does not include them.
   int slow_passes = 0;
   ExcitationCriterion criterion = ExcitationCriterion::kDOptimal;
   /// The two causes of kDiscriminate: effects, loads, errors of channels. Torque gains, loads and tilts
   /// use the arm's own values.
   std::optional<std::pair<Cause, Cause>> between{};
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
-  /// Above zero: the criterion uses the essential parameters only, see EssentialParameters; below
-  /// 1. Not available for kDiscriminate.
+  /// Above zero, and below 1: the criterion uses the essential parameters only, see EssentialParameters. Not
+  /// available for kDiscriminate.
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches; the best one is returned
@@ -88,12 +87,12 @@ struct ExcitationOptions {
   /// torques, whole accelerations, and ranges reduced by 0.25 % at each end and by the braking
   /// distance.
   std::optional<double> limit_share{};
-  /// Share of its designed speed at which the motion found is played, above 0 and at most 1: the same
-  /// path, for a first run.
+  /// Share of its designed speed at which the motion is played, above 0 and at most 1: the same path, for a
+  /// first run.
   double speed = 1.0;
-  /// [1/s] for that distance: a joint stops within dq / braking, see SafetyLimits::braking
+  /// [1/s] for the braking distance: a joint stops within dq / braking, see SafetyLimits::braking
   double braking = 30.0;
-  /// Friction beside that of the robot file, as a later identification will add it.
+  /// Friction in addition to that of the robot file, as a later identification will add it.
   JointFriction friction = JointFriction::kAuto;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
@@ -112,11 +111,11 @@ struct ExcitationOptions {
   int threads = 0;  ///< 0: one per core; the result does not depend on it
   /// Called with (current activity, share done), by one thread at a time.
   std::function<void(const std::string&, double)> progress{};
-  /// Polled by all searches; once it returns true, the best motion so far is the result.
+  /// Polled by all searches; if it returns true, the best motion so far is the result.
   std::function<bool()> stop{};
-  /// Called with the number of a start and its result as numbers when it is finished, by several
-  /// threads; and before a start: a result that an interrupted search of the same arm and options
-  /// has kept, which is not searched again.
+  /// keep: called with the number of a start and its result as numbers when it is finished, by several
+  /// threads. kept: called before a start; returns the result if an interrupted search of the same arm and
+  /// options has stored it, so that the start is skipped.
   std::function<void(int, const VectorXd&)> keep{};
   std::function<std::optional<VectorXd>(int)> kept{};
 };
@@ -135,11 +134,10 @@ struct LimitMargin {
   double highest = 0.0;
   double lower = 0.0;  ///< the limit
   double upper = 0.0;
-  double margin = 0.0;  ///< to the nearer bound, negative where it is crossed
+  double margin = 0.0;  ///< distance from the nearer bound, negative if it is exceeded
 };
 
-/// Largest use of the limits of one joint, as shares; NaN where there is no limit, or where torques
-/// are unknown.
+/// Largest use of the limits of one joint, as shares; NaN if there is no limit, or if torques are unknown.
 struct UsedLimits {
   double range = 0.0;     ///< largest minus smallest position
   double velocity = 0.0;  ///< largest speed
@@ -158,23 +156,23 @@ struct LowestPoint {
   std::string frame{};
 };
 
-/// Separation of two causes by the motion: root mean square torques in units of the rows' noise,
-/// per unit of the cause's parameter (for a payload: 1 kg within 0.1 m). Zero for a cause whose
-/// torque the other one can reproduce, whatever the motion.
+/// Separation of two causes by the motion: rms torques in units of the rows' noise, per unit of the cause's
+/// parameter (for a payload: 1 kg within 0.1 m). Zero for a cause whose torque the other one can reproduce in
+/// any motion.
 struct Discrimination {
   std::string first, second;
-  /// Part of the first cause's torque that remains after regression on everything else.
+  /// Part of the first cause's torque that remains after regression on all other columns.
   double first_left = 0.0;
   double second_left = 0.0;  ///< the same of the second cause
   /// The same as a share of the part that remains after regression on the rest of the model, 0 to
   /// 1.
   double first_share = 0.0, second_share = 0.0;
-  bool bodies_known = false;  ///< the two can be separated only if the bodies are known
+  bool bodies_known = false;  ///< the causes can be separated only if the bodies are known
 };
 
-/// Base parameters that motions can separate. A column (of norm one, at random states within the
-/// limits) that adds less than `share` to those chosen before it is regrouped with them: its
-/// parameter becomes part of theirs and is not estimated separately.
+/// Base parameters that motions can separate. A column (of norm one, at random states within the limits) that
+/// adds less than `share` to those chosen before it is regrouped with them: its parameter becomes part of
+/// theirs and is not estimated separately.
 struct EssentialParameters {
   double share = 0.0;
   int count = 0;
@@ -185,7 +183,7 @@ struct EssentialParameters {
   std::vector<std::pair<std::string, double>> non_essential{};
 };
 
-/// An excitation trajectory and how good it is.
+/// An excitation trajectory and its quality.
 struct Excitation {
   ExcitationStatus status = ExcitationStatus::kDone;
   std::string robot;
@@ -211,7 +209,7 @@ struct Excitation {
   double log_determinant = 0.0;
   /// Condition number of the first random motion, in the same columns.
   double start_condition_number = 0.0;
-  /// For ExcitationOptions::essential, or for 0.01 where that is zero and regroups any parameter.
+  /// For ExcitationOptions::essential, or for 0.01 if that is zero and some parameter would be regrouped.
   std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The combination of base parameters that the motion identifies worst: names and parts (of norm
@@ -220,14 +218,14 @@ struct Excitation {
   std::optional<Prediction> prediction{};  ///< nullopt where the arm has no values
   long evaluations = 0;
   bool interrupted = false;
-  bool converged = false;  ///< the solver reported convergence for the motion that won
+  bool converged = false;  ///< the solver reported convergence for the chosen motion
   double seconds = 0.0;
   std::vector<LimitMargin> margins{};
   std::vector<UsedLimits> used{};     ///< (n)
   double limit_share = 0.0;  ///< ExcitationOptions::limit_share; 0: margins of a safety supervisor
   std::vector<std::string> touching{};  ///< CollisionLimits::touching of the options
   LowestPoint lowest{};
-  /// Unchecked limits and assumptions, one sentence each; the report begins with them.
+  /// One sentence for each limit that was not checked and each assumption; the report begins with them.
   std::vector<std::string> cautions{};
   double speed = 1.0;  ///< ExcitationOptions::speed
   std::string friction_remark{};      ///< text of veridyn::friction_remark()
@@ -243,18 +241,18 @@ struct Excitation {
   std::vector<std::string> warnings() const;
 };
 
-/// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps all
-/// limits (between samples as well) and optimises the criterion.
+/// Searches for a Fourier trajectory that starts and stops at rest, repeats its period, satisfies all limits
+/// (between samples as well) and optimises the criterion.
 ///
-/// For kDOptimal and kAOptimal every joint uses kLittleUse of its range at least, where the other limits
-/// allow that.
+/// For kDOptimal and kAOptimal every joint uses at least kLittleUse of its range, if the other limits allow
+/// it.
 ///
 /// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
 /// continues the best of them on a smooth approximation of the criterion with exact gradients; for
 /// the condition number of scaled columns the base columns are then chosen along the motion, and
 /// the descent continues. The exact criterion, on the samples of the motion, decides between the
 /// searches. The same options give the same motion, on any number of threads.
-/// @throws InvalidInput  an option is out of range, or names what the arm does not have.
+/// @throws InvalidInput  an option is out of range, or names a part that the arm does not have.
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options = {});
 
 }  // namespace veridyn

@@ -19,12 +19,12 @@ struct FourierBasis {
 /// `count` evenly spaced instants over one period; the end, equal to the start, is not repeated.
 VectorXd period_instants(double frequency, int count);
 
-/// Bounds of a whole motion, (n) each, which also hold between samples.
+/// Bounds of a whole motion, (n) each, valid between samples as well.
 struct MotionBounds {
-  VectorXd lower;         ///< q is above
-  VectorXd upper;         ///< q is below
-  VectorXd velocity;      ///< |dq| is below
-  VectorXd acceleration;  ///< |ddq| is below
+  VectorXd lower;         ///< lower bound of q
+  VectorXd upper;         ///< upper bound of q
+  VectorXd velocity;      ///< bound of |dq|
+  VectorXd acceleration;  ///< bound of |ddq|
 };
 
 /// Periodic motion of every joint i in harmonics l = 1 .. L of one frequency:

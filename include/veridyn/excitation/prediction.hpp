@@ -14,24 +14,23 @@ struct TorqueNoise {
   VectorXd deviation;  ///< (n) standard deviation [N m] or [N]
   /// [s] correlation time of the model's errors: samples closer than this count as one.
   double seconds = 0.1;
-  std::string source;  ///< where the deviations come from, in words
+  std::string source;  ///< source of the deviations, in words
 };
 
 /// Share of the largest effort that usual_noise() assumes without an identification.
 constexpr double kUsualNoise = 0.01;
 
-/// Noise as a share of each joint's largest effort; where the file gives none, four times that
-/// share of its rms torque at random states within the limits (of 1 N m or 1 N where the arm has no
-/// values).
+/// Noise as a share of each joint's largest effort; if the file has none, four times that share of its rms
+/// torque at random states within the limits (of 1 N m or 1 N if the arm has no values).
 TorqueNoise noise_of_efforts(const Model& arm, double share);
 
 /// Residual of the identification of `arm`, or else noise_of_efforts(arm, kUsualNoise): the noise
 /// for which a motion is designed.
 TorqueNoise usual_noise(const Model& arm);
 
-/// Share of a joint's rms torque that a prediction without an identification assumes as noise:
-/// the median of what plain identification leaves on the joints of five real arms (a quarter of
-/// them leave less than 0.09, a quarter more than 0.34; docs/excitation.md).
+/// Share of a joint's rms torque that a prediction without an identification assumes as noise: the median
+/// residual of plain identification on the joints of five real arms (a quarter of them have less than 0.09, a
+/// quarter more than 0.34; docs/excitation.md).
 constexpr double kUsualResidual = 0.2;
 
 /// Residual of the identification of `arm`, or else kUsualResidual of each joint's rms torque along
@@ -57,8 +56,8 @@ struct Prediction {
   double median_relative = 0.0;
 };
 
-/// Covariance of the base parameters that weighted least squares would give after recording a
-/// motion, beside the recordings made before.
+/// Covariance of the base parameters that weighted least squares would give after recording a motion, in
+/// addition to earlier recordings.
 ///
 /// @param arm    with values, for torques and relative deviations.
 /// @param given  motions recorded before, with the same noise.

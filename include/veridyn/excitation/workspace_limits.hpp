@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// The origin of a frame stays within a box of the world [m]; infinite where a side is open.
+/// The origin of a frame stays within a box of the world [m]; infinite where the box is open.
 struct FrameBox {
   std::string frame;
   Eigen::Vector3d lower{0, 0, 0};
@@ -40,48 +40,48 @@ struct InsertionRange {
   double upper = 0.0;
 };
 
-/// A box that stands in the world [m]: a table, a mount, a wall; infinite where a side is open, so
-/// that a floor is a box without an end below.
+/// A box fixed in the world [m]: a table, a mount, a wall; infinite where it is open, so that a floor is a
+/// box without a lower end.
 struct Obstacle {
   std::string name;
   Eigen::Vector3d lower{0, 0, 0};
   Eigen::Vector3d upper{0, 0, 0};
 };
 
-/// A link keeps `clearance` [m] from another, or from an obstacle.
+/// Two links, or a link and an obstacle, keep `clearance` [m] from each other.
 struct CollisionPair {
   std::string first, second;
-  std::vector<Capsule> capsules;      ///< of the first
-  std::vector<Capsule> others;        ///< of the second; empty: it is the obstacle
+  std::vector<Capsule> capsules;      ///< of the first link
+  std::vector<Capsule> others;        ///< of the second link; empty: the second is the obstacle
   std::optional<Obstacle> obstacle{};
   double clearance = 0.0;
 };
 
-/// Distance between links that is kept unless another is given: some encoder and mounting errors, and
-/// what a controller overshoots.
+/// Default clearance between links: it covers some encoder and mounting errors, and the overshoot of a
+/// controller.
 constexpr double kLinkClearance = 0.01;
 
 struct CollisionLimits {
   std::vector<CollisionPair> pairs;
-  /// "A and B": links that touch at nearly every posture, since their shapes overlap where they are
-  /// joined, and links that stand on an obstacle whatever the joints do; they are not kept apart.
+  /// "A and B": links that touch in nearly every posture, since their shapes overlap at the joint, and links
+  /// that stand on an obstacle in every posture; they are not kept apart.
   std::vector<std::string> touching;
-  /// "A and B": a link that reaches into an obstacle at every posture. It stays among the pairs, so that
-  /// no motion keeps these limits.
+  /// "A and B": a link that reaches into an obstacle in every posture. It remains among the pairs, so that no
+  /// motion satisfies these limits.
   std::vector<std::string> impossible{};
   std::vector<Capsule> shapes{};       ///< of the links, as given
   std::vector<Obstacle> obstacles{};   ///< as given
 };
 
-/// The pairs of links that are to be kept apart: links that one joint connects are not, nor are
-/// frames that do not move against each other. Every link that moves is kept clear of every obstacle.
+/// The pairs of links to keep apart, except links that one joint connects, and frames that do not move
+/// relative to each other. Every moving link is kept apart from every obstacle.
 /// @param shapes  capsules on frames of the arm, or in the world.
 /// @throws InvalidInput  a capsule on an unknown frame, or an obstacle without size.
 CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& shapes,
                                  const std::vector<Obstacle>& obstacles = {},
                                  double clearance = kLinkClearance);
 
-/// Limits of a motion beside the ranges and speeds of its joints.
+/// Limits of a motion in addition to the ranges and speeds of its joints.
 struct WorkspaceLimits {
   std::vector<FrameBox> boxes;
   std::vector<SpherePair> pairs;

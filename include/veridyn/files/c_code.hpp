@@ -23,10 +23,9 @@ namespace veridyn {
 /// the functions are templates and take both. `memory` starts as zeros, one array for every
 /// simulated or recorded arm; effects with memory see the states of successive calls. The
 /// recursions are unrolled for the arm: products with a zero or a one of its geometry are omitted.
-/// Below NAME_rest_speed (1e-4 rad/s or m/s unless it is defined beforehand) friction is
-/// proportional to the velocity: wider than the noise of a measured velocity it does not chatter.
-/// Effects that depend on time or describe measured motion are not included; a comment in the file
-/// names them.
+/// Below NAME_rest_speed (1e-4 rad/s or m/s unless it is defined beforehand) friction is proportional to the
+/// velocity: choose it larger than the noise of a measured velocity to avoid chatter. Effects that depend on
+/// time or describe measured motion are not included; a comment in the file lists them.
 ///
 /// Compile the file, or include it in one place; with NAME_API defined as `static inline`
 /// beforehand it may be included in many.

@@ -35,23 +35,23 @@ struct LinkShapes {
   std::vector<std::string> remarks;  ///< meshes that could not be read
 };
 
-/// Which shapes of a URDF file's links.
+/// Selects one kind of shapes in a URDF file.
 enum class UrdfShapes { kVisual, kCollision };
 
-/// The shapes of a URDF file's links. Meshes are STL and OBJ files; `package://NAME/...` is looked
-/// for beside the URDF file, in the folders above it, and in those of ROS_PACKAGE_PATH.
+/// The shapes of a URDF file's links. Meshes are STL and OBJ files; `package://NAME/...` is searched for next
+/// to the URDF file, in the folders above it, and in those of ROS_PACKAGE_PATH.
 /// @throws InvalidInput  no such file, or no XML.
 LinkShapes urdf_shapes(const std::string& path, UrdfShapes which);
 
-/// Capsules that hold all of a shape; a long mesh may need several.
+/// Capsules that contain all of a shape; a long mesh may need several.
 std::vector<Capsule> capsules_around(const LinkShape& shape);
 
 /// Capsules around all collision shapes of a URDF file; shapes that could not be read are listed in
 /// `remarks`.
 std::vector<Capsule> collision_capsules(const std::string& urdf, std::vector<std::string>& remarks);
 
-/// A capsule of the radius along every straight line from one joint to the next, for an arm of which
-/// only the kinematics is known.
+/// A capsule of this radius along every straight line from one joint to the next, for an arm of which only
+/// the kinematics is known.
 std::vector<Capsule> capsules_along_links(const Model& arm, double radius);
 
 }  // namespace veridyn

@@ -26,7 +26,7 @@ Model read_model(const std::string& robot, const ModelFileOptions& options = {})
 /// The file that read_model() reads for this name. @throws InvalidInput  no robot has it.
 std::string robot_path(const std::string& robot);
 
-/// Reads YAML from memory; `file` is what messages call it.
+/// Reads YAML from memory; `file` is its name in messages.
 Model read_yaml(const std::string& content, const std::string& file,
                 const ModelFileOptions& options = {});
 
@@ -34,7 +34,7 @@ Model read_yaml(const std::string& content, const std::string& file,
 /// and effects, `drive_gain_std:` in coordinates):
 ///
 ///   identified:
-///   recordings: [one.csv]         # used for training
+///     recordings: [one.csv]         # used for training
 ///     clusters: 8                   # of the jackknife; degrees of freedom are one fewer
 ///     error: [0.04, 0.12]           # relative, per joint, on these recordings
 ///     noise: [0.2, 0.5]             # [N m], [N]: IdentifiedBase::noise

@@ -6,9 +6,9 @@
 
 namespace veridyn {
 
-/// A file that a model was made from.
+/// A file from which a model was computed.
 struct OriginFile {
-  std::string file;  ///< its name without folders, or what a recording in memory is called
+  std::string file;  ///< its name without folders, or the name of a recording in memory
   /// SHA-256 of its bytes, as `sha256sum` prints it; empty for a recording in memory
   std::string sha256;
 };
@@ -28,12 +28,12 @@ struct ModelOrigin {
   std::vector<OriginFile> inputs;
 };
 
-/// The origin of a model that is made now. The date is that of $SOURCE_DATE_EPOCH where it is set,
-/// so that two runs can give the same file.
+/// The origin of a model that is computed now. The date is that of $SOURCE_DATE_EPOCH if it is set, so that
+/// two runs can give the same file.
 /// @param inputs  paths of files, or names of recordings in memory; each counts once.
 ModelOrigin origin_now(const std::string& command, const std::vector<std::string>& inputs);
 
-/// Reads the origin from a model file; nullopt where the file has none.
+/// Reads the origin from a model file; nullopt if the file has none.
 /// @throws InvalidInput  the file cannot be read, or is no YAML.
 std::optional<ModelOrigin> read_origin(const std::string& path);
 

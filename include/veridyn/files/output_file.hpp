@@ -5,9 +5,9 @@
 
 namespace veridyn {
 
-/// A file that is written atomically: it has no name before commit(), so that a program that is
-/// killed leaves nothing behind. Where the file system has no files without a name it has a
-/// temporary one, which is removed unless it is committed. Devices and pipes are written directly.
+/// A file that is written atomically: it has no name before commit(), so that a program that is killed leaves
+/// nothing behind. If the file system has no files without a name, it has a temporary name and is removed
+/// unless it is committed. Devices and pipes are written directly.
 ///
 /// @throws InvalidInput  the file cannot be created (constructor), or the disk is full (commit).
 class OutputFile {

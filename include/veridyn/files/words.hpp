@@ -23,7 +23,7 @@ inline bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// True of digits alone.
+/// True if the text consists of digits only.
 inline bool is_number(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
@@ -35,7 +35,7 @@ inline std::optional<double> number_in(const std::string& word) {
   return word.empty() || *end != '\0' ? std::nullopt : std::optional(value);
 }
 
-/// The parts between separators, one at least; empty parts are kept.
+/// The parts between separators, at least one; empty parts are kept.
 inline std::vector<std::string> split(const std::string& words, char separator) {
   std::vector<std::string> parts{""};
   for (const char c : words) {
@@ -48,7 +48,7 @@ inline std::vector<std::string> split(const std::string& words, char separator) 
   return parts;
 }
 
-/// "a, b, c", whole.
+/// All parts as "a, b, c".
 inline std::string joined(const std::vector<std::string>& parts) {
   std::string all;
   for (const std::string& part : parts) all += (all.empty() ? "" : ", ") + part;

@@ -32,8 +32,7 @@ struct BaseParameters {
 /// Base parameters of the arm, from the regressor at random states within its limits (fixed seed).
 BaseParameters base_parameters(const Model& arm);
 
-/// Base parameters without those that the robot file declares as known: the unknowns of an
-/// identification.
+/// Base parameters without those that are known by the robot file: the unknowns of an identification.
 BaseParameters identifiable_base_parameters(const Model& arm);
 
 /// Base parameters of any factor over standard parameters. Columns are scaled to norm one; singular

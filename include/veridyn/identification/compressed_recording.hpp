@@ -35,9 +35,9 @@ struct CompressedRecording {
   bool detached = false;  ///< only the factor is available, not the samples
 };
 
-/// @param path     a recording; read twice, its first minutes for the period and then as a whole.
-/// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does
-/// not depend on the number.
+/// @param path     a recording; read twice, first its first minutes for the period, then as a whole.
+/// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does not depend
+/// on the number.
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads = 1);
 CompressedRecording compress(const Model& arm, const Recording& recording,
@@ -56,14 +56,14 @@ struct PredictionError {
                              ///< largest speed)
 };
 
-/// Whether a joint moves at a sample, for moving_relative.
+/// True or false for "the joint moves at a sample", for moving_relative.
 enum class MovingSample { kNo, kYes };
 
 /// The sums from which PredictionError is computed; they add up over recordings.
 struct ErrorSums {
   explicit ErrorSums(int joints);
   void add(const ErrorSums& other);
-  /// One sample of joint i. @param moves  the joint counts as moving at it.
+  /// Adds one sample of joint i. @param moves  the joint counts as moving.
   void add(int i, double measured, double modelled, MovingSample moves);
   PredictionError error() const;
 

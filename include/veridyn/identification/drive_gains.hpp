@@ -26,9 +26,9 @@ struct DriveGain {
   bool identifiable = false;
   std::string reason;      ///< reason why it is not identifiable
   double value = 0.0;      ///< best estimate, identifiable or not
-  /// Standard deviation, from clusters; infinite where the data do not determine it.
+  /// Standard deviation, from clusters; infinite if the data do not determine it.
   double deviation = 0.0;
-  double low = 0.0;        ///< 95 % interval; infinite ends where the data leave them open
+  double low = 0.0;        ///< 95 % interval; infinite ends if the data do not bound it
   double high = 0.0;
   double in_file = 0.0;  ///< value of the robot file; 0: none
   /// Share of the known mass in the joint's rms torque, in the recordings that carry it.
@@ -37,9 +37,9 @@ struct DriveGain {
 
 /// Estimates for one known mass.
 struct MountedLoad {
-  KnownMass known;  ///< with the recordings that carry it
+  KnownMass known;  ///< with the recordings in which it is mounted
   bool identified = false;
-  /// [m] in its frame; nullopt where the data do not determine it
+  /// [m] in its frame; nullopt if the data do not determine it
   std::optional<Eigen::Vector3d> centre;
   Eigen::Vector3d centre_deviation = Eigen::Vector3d::Zero();
 };

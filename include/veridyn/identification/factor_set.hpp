@@ -7,15 +7,14 @@
 
 namespace veridyn {
 
-/// Recordings as square-root factors, from which identify() works without samples, so that raw data
-/// can stay where they were recorded. Sets of one arm merge, in any order and on any number of
-/// machines.
+/// Recordings as square-root factors, from which identify() works without samples, so that raw data can stay
+/// where they were recorded. Sets of one arm can be merged in any order and on any number of machines.
 struct FactorSet {
   // not an aggregate, so that a list of paths in braces is not taken for a FactorSet
   FactorSet() {}
 
   std::string robot;     ///< name of the arm
-  VectorXd fingerprint;  ///< (n + 1) fingerprint of its kinematics and of the facts in its file
+  VectorXd fingerprint;  ///< (n + 1) fingerprint of its kinematics and of the known values in its file
   std::string settings;  ///< settings of the preprocessing as text: filter, velocities, decimation
   std::vector<CompressedRecording> recordings;
 };
@@ -40,12 +39,12 @@ std::string to_bytes(const FactorSet& factors);
 /// the bytes are no factors, are damaged, or have a later version.
 FactorSet factors_from_bytes(const std::string& bytes, const std::string& source = "factors");
 
-/// The same in a file. @throws InvalidInput  also where it cannot be read or written.
+/// The same in a file. @throws InvalidInput  also if it cannot be read or written.
 void save_factors(const FactorSet& factors, const std::string& path);
 FactorSet read_factors(const std::string& path);
 
-/// Identifies the arm from factors, like identify() from recordings. Training errors are those of
-/// the factors' rows: largest errors, errors while moving and plots need samples and are missing.
+/// Identifies the arm from factors, like identify() from recordings. Training errors refer to the factors'
+/// rows: largest errors, errors while moving and plots need samples and are missing.
 ///
 /// @param train  further recordings to train on, may be empty.
 /// @throws InvalidInput  the factors are of another arm or were prepared differently.

@@ -68,7 +68,7 @@ struct FeasibleOptions {
 
 enum class FeasibleStatus {
   kOptimal,      ///< x is strictly feasible and the gap is within the tolerance
-  kInfeasible,   ///< no x satisfies all constraints; see `certificate` for how sure that is
+  kInfeasible,   ///< no x satisfies all constraints; `certificate` is the basis of this statement
   /// The feasible set has no interior (as with x <= 1 and x >= 1); x satisfies the constraints up
   /// to rounding.
   kNoInterior,

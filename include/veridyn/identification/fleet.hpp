@@ -22,7 +22,7 @@ std::vector<FleetArm> read_fleet(const std::string& path);
 
 struct FleetOptions {
   PreprocessingOptions preprocessing;
-  /// Probability of naming an outlier in a fleet without one, over all quantities tested.
+  /// Probability of reporting an outlier in a fleet without one, over all tested quantities.
   double significance = 0.01;
   int threads = 0;
   std::function<void(const std::string&, double)> progress;
@@ -47,9 +47,9 @@ struct FleetOutlier {
   double deviations = 0.0;  ///< robust standard deviations away from the fleet
 };
 
-/// An arm that was left out of the fit of the shared bodies, because individual bodies improve its
-/// fit more than that of the other arms. It may carry a tool, be of another type, or have larger
-/// effects that the robot file does not contain. Its individual values are estimated all the same.
+/// An arm that is excluded from the fit of the shared bodies, because its own bodies improve its fit more
+/// than they do for the other arms. It may carry a tool, be of another type, or have larger effects that the
+/// robot file does not contain. Its own values are estimated nevertheless.
 struct FleetLeftOut {
   std::string arm;
   JointIndex joint;             ///< the joint of the largest deviation
@@ -72,7 +72,7 @@ struct FleetMember {
   std::string name;
   int recordings = 0;
   double rows = 0.0;
-  VectorXd own;  ///< values of the individual parameters; NaN where its data do not determine them
+  VectorXd own;  ///< values of its own parameters; NaN if its data do not determine them
   VectorXd relative_error;  ///< (n) with the fleet's bodies and its own values
   VectorXd alone_error;     ///< (n) with bodies of its own
 };
@@ -86,12 +86,12 @@ struct Fleet {
   std::vector<FleetSpread> spreads;
   std::vector<FleetMember> members;
   std::vector<FleetOutlier> outliers;     ///< largest deviation first
-  std::vector<FleetLeftOut> other_bodies; ///< arms that the shared bodies were not fitted to
+  std::vector<FleetLeftOut> other_bodies; ///< arms to which the shared bodies were not fitted
   std::vector<UndeterminedArm> undetermined;  ///< arms that were left out
   std::vector<UnusedRecording> unusable_recordings;  ///< files that could not be used
   std::vector<std::string> remarks;       ///< files whose velocities were taken from the positions
-  std::optional<Model> model;  ///< the arm with `parameters`; nullopt where there is a reason
-  std::string reason;  ///< reason for a missing model: fewer than three arms were left
+  std::optional<Model> model;  ///< the arm with `parameters`; nullopt if there is a reason
+  std::string reason;  ///< reason for a missing model: fewer than three arms remained
 
   std::string report() const;
 };

@@ -10,11 +10,11 @@ namespace veridyn {
 /// effects, at the mean position and the mean square load of the training recordings.
 struct FrictionCurve {
   JointIndex joint;
-  VectorXd velocity;    ///< [rad/s], [m/s], in growing order, up to the largest recorded speed; never zero
+  VectorXd velocity;    ///< [rad/s], [m/s], increasing, up to the largest recorded speed; never zero
   VectorXd torque;      ///< [N m], [N]
-  VectorXd half_width;  ///< of the 95 % interval that the parameters' statistics give [N m], [N]
+  VectorXd half_width;  ///< half width of the 95 % interval from the parameters' statistics [N m], [N]
 
-  /// The torque at a speed, between two points of the curve; its ends beyond them.
+  /// The torque at a speed, interpolated between two points of the curve, and constant beyond its ends.
   double at(double speed) const;
 };
 

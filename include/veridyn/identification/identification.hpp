@@ -40,7 +40,7 @@ struct IdentificationOptions {
   JointWeights weights = JointWeights::kRange;
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;  ///< for kFeasible
   EffectSigns signs = EffectSigns::kPhysical;                       ///< for kFeasible
-  /// Friction that is identified beside that of the robot file; Identification::remarks name it.
+  /// Friction that is identified in addition to that of the robot file; see Identification::remarks.
   JointFriction friction = JointFriction::kAuto;
   PreprocessingOptions preprocessing;
   std::optional<PreprocessingOptions> test_preprocessing;  ///< of the test recordings; nullopt: the same
@@ -49,8 +49,8 @@ struct IdentificationOptions {
   std::optional<Model> prior;
   /// Weight of the prior, as a share of the weighted residual per body.
   double prior_weight = 1e-3;
-  /// Known loads of some training recordings: the drive gains are found first, see
-  /// find_drive_gains(), and the arm is then identified from the recordings without a load.
+  /// Known loads in some training recordings: the drive gains are identified first, see find_drive_gains(),
+  /// and then the arm from the recordings without a load.
   std::vector<KnownMass> known_masses;
   /// For identify() of recordings: a recorded velocity that is noisier than its position's
   /// derivative, or wrong in scale, is replaced by that derivative if this lowers the error of the
@@ -67,7 +67,7 @@ enum class IdentificationStatus {
   kDone,
   /// The recordings leave base parameters of the arm undetermined; see `undetermined`.
   kRankDeficient,
-  kNoData,         ///< no usable samples are left
+  kNoData,         ///< no usable samples remain
   kNotConverged,  ///< the feasible solver did not reach its duality gap; the best point is returned
   /// The known masses do not determine the drive gains, and the robot file has none.
   kNoDriveGains,
@@ -85,21 +85,22 @@ struct BaseValue {
 struct RecordingError {
   std::string source;
   PredictionError error;  ///< on every row, as recorded
-  /// On every row, with repeated rows of a late publisher interpolated; empty where none was.
+  /// On every row, with repeated rows of a late publisher interpolated; empty if there were none.
   PredictionError repaired;
-  /// Outside of the intervals that PreprocessingOptions::excluded_intervals excludes; empty where it excludes
-  /// none of this recording.
+  /// Outside of the intervals of PreprocessingOptions::excluded_intervals; empty if none is in this
+  /// recording.
   PredictionError without_excluded;
   FilledRows filled;
   long rows = 0;         ///< rows of the file
-  VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
+  VectorXd noise_floor;  ///< relative, (n); empty if nothing repeats
   double period = 0.0;   ///< [s] of the motion; 0: no repetition
   PredictionSeries series;
 };
 
-/// Durbin-Wu-Hausman test of one joint: the noise of its regressor is not correlated with that of its
-/// torque, or else least squares is biased. F of an augmented regression, for as many independent
-/// samples as the jackknife leaves (Janot, Vandanjon and Gautier, IEEE Trans. CST 22(1), 2014).
+/// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated
+/// with that of its torque; if it is rejected, least squares is biased. F statistic of an augmented
+/// regression, for the number of independent samples from the jackknife (Janot, Vandanjon and Gautier, IEEE
+/// Trans. CST 22(1), 2014).
 struct EndogeneityTest {
   double statistic = 0.0;          ///< F
   double numerator_freedom = 0.0;  ///< 0: the two motions have the same columns

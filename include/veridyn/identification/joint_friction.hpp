@@ -26,8 +26,8 @@ Model with_friction(const Model& arm, JointFriction friction);
 /// Like with_friction() without the added rotor inertia, for recordings that cannot identify it.
 Model with_friction_alone(const Model& arm, JointFriction friction);
 
-/// A sentence on the friction that with_friction() added, or could have added; empty where the file
-/// has its own.
+/// A sentence on the friction that with_friction() has added, or could have added; empty if the file has
+/// friction.
 std::string friction_remark(const Model& file, const Model& arm);
 
 /// One number of a joint: friction, offset or rotor inertia.

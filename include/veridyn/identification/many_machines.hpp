@@ -16,7 +16,7 @@ class Communicator {
   virtual int rank() const = 0;
   virtual int size() const = 0;
   virtual void send(int to, const std::string& bytes) = 0;
-  /// Waits for the next bytes of that rank.
+  /// Waits for the next bytes from this rank.
   virtual std::string receive(int from) = 0;
 };
 
@@ -25,9 +25,10 @@ using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
 
 /// identify() with the recordings distributed over ranks; every rank calls it with the same arguments.
 ///
-/// Each rank compresses its share, rank 0 collects the factors in the order of the list, and each rank measures the errors of its own recordings. The result is
-/// that of identify() on one machine, for any number of ranks. A recording that
-/// cannot be read or used is skipped and listed in `unusable_recordings` of the result.
+/// Each rank compresses its share, rank 0 collects the factors in the order of the list, and each rank
+/// measures the errors of its own recordings. The result is that of identify() on one machine, for any number
+/// of ranks. A recording that cannot be read or used is skipped and listed in `unusable_recordings` of the
+/// result.
 ///
 /// @param keep  called repeatedly on every rank with its factors so far, so that they survive the
 /// failure of a rank, and on rank 0 once with those of all ranks. May be empty.

@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// The base parameters with their deviations, the rank gap and the condition number, as text; beside
-/// Identification::report(), which leaves them out.
+/// The base parameters with their deviations, the rank gap and the condition number, as text;
+/// Identification::report() does not contain them.
 std::string parameters_text(const Identification& id);
 
 }  // namespace veridyn

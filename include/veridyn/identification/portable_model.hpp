@@ -26,15 +26,15 @@ struct PortableModel {
   std::string remark;    ///< reason for which no values were chosen, one line; empty otherwise
 };
 
-/// Place of rotor inertia in a file format, where torques do not separate it from the bodies.
+/// Place of rotor inertia in a file format, if torques do not separate it from the bodies.
 enum class RotorPlace {
   kBodies,    ///< rotor inertias of the model only: URDF, SDF
   kArmatures  ///< a rotor inertia on every joint: MJCF
 };
 
-/// Chooses values for the inertial parameters that torques determine in combination only. An
-/// identification leaves them arbitrary, at worst at the bounds of its robot file, while other
-/// programs show them as masses and centres:
+/// Chooses values for the inertial parameters that torques determine in combination only. An identification
+/// leaves the single values arbitrary, in the worst case at the bounds of its robot file, while other
+/// programs display them as masses and centres:
 ///
 ///   minimise   sum over bodies of entropic_divergence(J(phi_b), J(prior_b)) + w (m_b / m_prior_b - 1)^2
 ///   subject to K phi = K phi_model,   rotor inertias >= 0

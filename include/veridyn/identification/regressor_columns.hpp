@@ -39,7 +39,8 @@ class RegressorColumns {
     int first, end;
   };
 
-  /// Divides the joints into groups whose columns over this many rows take a few megabytes.
+  /// Divides the joints into groups, such that the columns of a group over this many rows need a few
+  /// megabytes.
   std::vector<Joints> groups(Eigen::Index rows) const;
 
   /// Like rows() for the joints of one group, in its order.

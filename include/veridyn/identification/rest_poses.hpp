@@ -35,7 +35,7 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
 /// The arm without effects that act in motion only; dry friction is kept if the poses are `approached` from known sides.
 Model with_effects_at_rest(const Model& arm, bool approached);
 
-/// [N m], [N] level of constant dry friction that the values of an arm give each coordinate, (n).
+/// Level of the constant dry friction of each coordinate (n), by the values of the arm [N m], [N].
 VectorXd dry_friction(const Model& arm);
 
 /// A factor for every joint and part of the poses.

@@ -9,12 +9,13 @@
 
 namespace veridyn {
 
-/// Finds contradictions between a recording and the robot by one list of hypotheses. Each is a transformation of the
-/// recording or of the robot file that undoes one mistake. A small identification is repeated for the data as they are
-/// and after each transformation, alone and combined; the score is the error on held-out rows, with penalties for
-/// results that contradict physics (friction that supplies energy) or the values of the file. A finding lists the
-/// options that apply all transformations found; it says that they mend the recording only if the remaining error is
-/// near the torque's white noise. Findings (`value`: relative error of the torque after them):
+/// Finds contradictions between a recording and the robot by testing a list of hypotheses. Each is a
+/// transformation of the recording or of the robot file that corrects one mistake. A short identification is
+/// repeated for the unchanged data and after each transformation, alone and combined; the score is the error
+/// on held-out rows, with penalties for results that contradict physics (friction that supplies energy) or
+/// the values of the file. A finding lists the options that apply all accepted transformations; it states
+/// that they correct the recording only if the remaining error is near the torque's white noise. Findings
+/// (`value`: relative error of the torque after the transformations):
 ///
 ///   torque_sign    torques of a joint, or of all, have the wrong sign
 ///   position_sign  a joint's position is counted with the opposite sign

@@ -14,9 +14,9 @@ constexpr double kHardlyMoves = 0.05;
 /// Quality of an identification for one joint.
 enum class IdentifiedState {
   kAtFloor,      ///< the residual is little above the noise floor
-  kUnexplained,  ///< the residual is far above it: the model is incomplete
+  kUnexplained,  ///< the residual is far above the floor: the model is incomplete
   kHardlyMoved,  ///< the joint hardly moves in the recordings
-  kNoTorque,     ///< its torque is zero throughout: it was not recorded, or the joint was not driven
+  kNoTorque,     ///< its torque is always zero: it was not recorded, or the joint was not driven
   kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown
 };
 /// "at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell".
@@ -26,7 +26,7 @@ struct IdentifiedJoint {
   std::string joint;
   IdentifiedState state = IdentifiedState::kCannotTell;
   double error = 0.0;  ///< relative, on held-out recordings if there are any, else on the training
-  double floor = 0.0;  ///< relative noise floor; NaN where nothing repeats
+  double floor = 0.0;  ///< relative noise floor; NaN if nothing repeats
   /// Share of the joint's range covered by the training; NaN: no limits in the file.
   double range = 0.0;
   double speed = 0.0;  ///< largest share of the speed limit; NaN: no limit

@@ -69,7 +69,7 @@ struct Links {
   /// Every link has a coordinate of its own and every coordinate a link: joint variables are
   /// independent then, and the mass matrix can be factored along the tree.
   bool independent;
-  bool in_order;  ///< and coordinate k is the joint variable of link k, up to a coefficient
+  bool in_order;  ///< in addition, coordinate k is the joint variable of link k, up to a coefficient
   const LinkPair* stranger;  ///< pairs of links of which none carries the other
   int strangers;
 };

@@ -81,14 +81,14 @@ struct Column {
   Vec3<S> w, v;
 };
 
-/// Arrays that the passes write; links.hpp says why they are plain.
+/// Arrays that the passes write; links.hpp gives the reason for plain arrays.
 template <typename S>
 struct Workspace {
   LinkState<S>* link;   ///< one per link
   Column<S>* jacobian;  ///< one per supporting coordinate
 };
 
-/// A workspace with its memory; sized once, reused for ever.
+/// A workspace with its memory; it is sized once and reused.
 template <typename S>
 struct Recursion {
   explicit Recursion(const Links& tree)

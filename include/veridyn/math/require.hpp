@@ -7,15 +7,15 @@
 
 namespace veridyn {
 
-/// The caller's mistake, or a file that cannot be used: what() is one line that says where, what
-/// was found and what was expected.
+/// A mistake of the caller, or an unusable file: what() is one line that states where it is, what was found
+/// and what was expected.
 class InvalidInput : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// All arguments, streamed one after the other.
-/// @throws std::bad_alloc  where memory ends.
+/// All arguments as text, one after the other.
+/// @throws std::bad_alloc  there is no more memory.
 template <typename... Parts>
 std::string text(const Parts&... parts) {
   TextStream out;

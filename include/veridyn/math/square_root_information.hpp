@@ -15,8 +15,9 @@ namespace veridyn {
 ///
 /// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns
 /// merge by one more QR, in any order. Columns have names, so that a subset can be solved without a
-/// copy of the data; copies share the names. Of many columns, up to half as many rows are kept as they
-/// are, which takes less memory than a triangle; R, z and rho are then computed at every call. Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977.
+/// copy of the data; copies share the names. With many columns, up to half as many rows are stored
+/// unfactored, which needs less memory than a triangle; R, z and rho are then computed at every call. Source:
+/// Bierman, Factorization Methods for Discrete Sequential Estimation, 1977.
 class SquareRootInformation {
  public:
   SquareRootInformation() = default;
@@ -31,7 +32,7 @@ class SquareRootInformation {
   const std::vector<std::string>& columns() const { return *columns_; }
   int size() const { return static_cast<int>(columns_->size()); }
 
-  /// (size() x size()), made at every call.
+  /// (size() x size()), computed at every call.
   MatrixXd R() const;
   VectorXd z() const;
 
@@ -53,7 +54,7 @@ class SquareRootInformation {
   /// are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
 
-  /// The same, but columns that this one does not have are left out.
+  /// The same, but columns that this factor does not have are ignored.
   void merge_known(const SquareRootInformation& other, double weight = 1.0);
 
   /// || A x - b ||^2 for x in the order of columns().
@@ -87,7 +88,7 @@ class SquareRootInformation {
   std::vector<int> places_of(const SquareRootInformation& other) const;
 
   Names columns_ = no_names();
-  Eigen::RowVectorXd data_;  // row by row: all columns of rows that are kept as they are; a triangle's from the diagonal on
+  Eigen::RowVectorXd data_;  // row by row: all columns of unfactored rows; of a triangle the columns from the diagonal on
   VectorXd z_;               // their right-hand sides
   double rho2_ = 0.0;
   double rows_ = 0.0;

@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// A stream into a text that lets std::bad_alloc through: std::ostringstream alone keeps a flag that
-/// is easily overlooked, and gives a truncated text.
+/// A string stream that throws std::bad_alloc: std::ostringstream alone only sets a flag, which is easily
+/// overlooked, and gives a truncated text.
 class TextStream : public std::ostringstream {
  public:
   TextStream() { exceptions(std::ios::badbit); }

@@ -5,8 +5,7 @@
 
 namespace veridyn {
 
-/// Text of a file as a message quotes it: on one line, without bytes that a terminal obeys, and not
-/// longer than `longest` bytes.
+/// Text of a file for a message: on one line, without control characters, and at most `longest` bytes long.
 inline std::string excerpt(std::string found, std::size_t longest = 60) {
   if (found.size() > longest) found = found.substr(0, longest) + "...";
   std::replace_if(

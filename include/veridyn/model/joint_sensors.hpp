@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// Relation between measured and true signals of an arm's joints, as far as its model knows it
+/// Relation between measured and true signals of an arm's joints, as far as its model contains it
 /// (`recorded:` of a coordinate in an identified model, which `diagnose --model-out` writes):
 ///
 ///   measured q   = q + position_offset                  [rad], [m]; velocities have no error
@@ -39,10 +39,10 @@ class JointSensors {
   /// A vector that is changed in place, one entry for each joint.
   using InPlace = Eigen::Ref<VectorXd>;
 
-  /// Takes the sensor errors from the model.
+  /// Uses the sensor errors of the model.
   explicit JointSensors(const Model& arm);
 
-  /// Takes these sensor errors; currents are treated as torques.
+  /// Uses these sensor errors; currents are treated as torques.
   explicit JointSensors(std::vector<RecordedChannel> channels);
 
   int joints() const { return static_cast<int>(channels_.size()); }
@@ -55,11 +55,11 @@ class JointSensors {
   void correct_positions(InPlace q) const noexcept { q -= offset_; }
   void add_position_errors(InPlace q) const noexcept { q += offset_; }
 
-  /// Turns measured torques into true ones, and true torques into recorded ones. The latter is also
-  /// the command that makes a drive produce `tau` where commands and recordings share one scale, as
-  /// on dVRK boards, where both are motor currents. They do not share it if torque sensors measure
-  /// the torque: then remove `torque_gain` and `torque_crosstalk` from `recorded:` in the model. Once
-  /// corrected scales are in the drives' configuration (`export --dvrk-scales`), remove `torque_gain`.
+  /// Turns measured torques into true ones. It also turns true torques into the commands for which a drive
+  /// produces them, if commands and recordings share one scale, as on dVRK boards, where both are motor
+  /// currents. They do not share it if torque sensors measure the torque: then remove `torque_gain` and
+  /// `torque_crosstalk` from `recorded:` in the model. Once corrected scales are in the drives' configuration
+  /// (`export --dvrk-scales`), remove `torque_gain`.
   void correct_torques(InPlace tau) const noexcept {
     tau.array() /= gain_.array();
     remove_crosstalk(tau);
@@ -83,7 +83,7 @@ class JointSensors {
   /// @throws InvalidInput  a coordinate has no drive gain. @param where  begins the message.
   void require_drive_gains(const Model& arm, const std::string& where) const;
 
-  /// [s] by which the measured torque of a joint lags.
+  /// [s] delay of the measured torque of a joint.
   double torque_delay(int joint) const { return delay_[joint]; }
 
   /// The torque of sample `k` corrected for torque_delay(), from samples 0 .. count - 1 that were

@@ -13,7 +13,7 @@ std::vector<std::string> by_similarity(const std::string& name,
 /// " (did you mean 'x'?)" for the most similar candidate; empty if none is similar.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
 
-/// "a, b, c" for a message: a name of a file may be long, and is shown as an excerpt.
+/// The names as "a, b, c" for a message; long names from a file are abbreviated.
 std::string listed(const std::vector<std::string>& names);
 
 }  // namespace veridyn

@@ -23,8 +23,8 @@ class GrowingRecording {
                    std::function<bool()> go_on);
   ~GrowingRecording();
 
-  /// Returns the next rows and waits until there are that many; fewer only at the end of the
-  /// recording. Their times may fall, where the clock was set back.
+  /// Returns the next rows; waits until there are this many, and returns fewer only at the end of the
+  /// recording. Times may decrease if the clock was set back.
   /// @throws InvalidInput  as RecordingReader::next().
   Recording next(int rows);
 

@@ -36,13 +36,13 @@ enum class StaleRows { kFilled, kKept };
 /// a contact, a local sticking.
 struct ExcludedInterval {
   std::string source;  ///< path of the recording
-  std::optional<int> joint = {};  ///< from 0; nothing: all joints
+  std::optional<int> joint = {};  ///< from 0; nullopt: all joints
   double from = 0.0;   ///< [s] since the recording began
   double to = 0.0;
   std::string why;
 };
 
-/// Weights of the samples of one recording in the fit of every joint, as a robust loss gives them.
+/// Weights of the samples of one recording in the fit of every joint, from a robust loss.
 struct SampleWeights {
   std::vector<double> time;  ///< [s] since the recording began, increasing
   MatrixXd of_joint;         ///< (times x n) >= 0
@@ -69,14 +69,14 @@ struct PreprocessingOptions {
   double drop_end = 0.5;  ///< [s] left out at its end
   /// First row of the file to use; the filter sees the rows around the selection.
   long first_row = 0;
-  std::optional<long> row_count = {};  ///< nothing: to the end
+  std::optional<long> row_count = {};  ///< nullopt: to the end
   /// [rad/s] or [m/s]: rows with a slower joint are excluded from its fit; errors are measured on
   /// all rows.
   double min_speed = 0.0;
-  /// Keeps one sample in this many after the filter; 0: as many as four times the cut-off needs.
+  /// Keeps one of this many samples after the filter; 0: as many samples as four times the cut-off needs.
   int decimation = 0;
   std::vector<ExcludedInterval> excluded_intervals;
-  /// By source; samples of other recordings weigh one. Errors are measured without weights.
+  /// By source; samples of other recordings have weight one. Errors are measured without weights.
   std::map<std::string, std::shared_ptr<const SampleWeights>> weights;
   /// [s] by source: known periods of the motion (0: it does not repeat), which are then not
   /// detected again.

@@ -54,14 +54,13 @@ void append(Recording& recording, Recording more);
 
 /// Options for reading a file.
 struct RecordingOptions {
-  /// Signals in the order of the columns, e.g. {"q", "dq", "tau"}, each with the same number of
-  /// joints; "t" may come first. Empty: as the header says. A header, if there is one, is then
-  /// ignored.
+  /// Signals in the order of the columns, e.g. {"q", "dq", "tau"}, each with the same number of joints; "t"
+  /// may come first. A header is then ignored. Empty: the header determines them.
   std::vector<std::string> columns;
   double rate = 0.0;  ///< [Hz] time base of a file without a column t, ignored if it has one
   long first_row =
       0;  ///< first row to keep, from 0; rows before it are not parsed
-  std::optional<long> row_count = {};  ///< rows to keep; nothing: all
+  std::optional<long> row_count = {};  ///< rows to keep; nullopt: all
   SignalChoice signals;  ///< topics, names of columns and joints, units
 };
 
@@ -70,14 +69,13 @@ struct RecordingOptions {
 /// Besides CSV of the form below: ROS 1 bags, ROS 2 bags (sqlite3, MCAP; files and folders), MCAP,
 /// CSV with other headers, .npz, .mat and HDF5, see docs/recordings.md; these are kept in memory.
 ///
-/// CSV with a header `t,q1..qn,dq1..dqn,tau1..taun` (also `ddq1..`, `i1..`) in any order; only q is
-/// a must; other columns are ignored. Comma, semicolon, tab or spaces separate, as the first line
-/// shows. An empty field and `nan` are gaps; a row without any number, even for t, is a gap row,
-/// and its time is interpolated (left out at either end of the file). Lines that start with `#` and
-/// empty lines are skipped, except that the last `#` line before the numbers may be the header.
-/// Infinite and absurd numbers are values: check_recording finds them. A row that repeats the time
-/// before is dropped and counted in facts(). A decimal comma is accepted where another sign
-/// separates.
+/// CSV with a header `t,q1..qn,dq1..dqn,tau1..taun` (also `ddq1..`, `i1..`) in any order; only q is required;
+/// other columns are ignored. The separator is a comma, a semicolon, a tab or blanks, as found in the first
+/// line. An empty field and `nan` are gaps; a row without any number, even for t, is a gap row, and its time
+/// is interpolated (it is dropped at either end of the file). Lines that start with `#` and empty lines are
+/// skipped, except that the last `#` line before the numbers may be the header. Infinite and absurd numbers
+/// are kept as values: check_recording() reports them. A row with the time of the previous one is dropped and
+/// counted in facts(). A decimal comma is accepted if the separator is another character.
 /// Cost: one pass, about 30 ns a number (400 MB/s); 1 MiB of buffer.
 class RecordingReader {
  public:

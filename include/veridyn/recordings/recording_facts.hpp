@@ -11,9 +11,9 @@ struct TopicFacts {
   std::string type;
   long messages = 0;
   double rate = 0.0;                ///< [Hz] mean; 0: fewer than two messages
-  std::vector<std::string> joints;  ///< joints whose positions, velocities or efforts it holds
+  std::vector<std::string> joints;  ///< joints with positions, velocities or efforts in it
   bool used = false;                ///< it provides signals of the arm
-  std::string undecoded;  ///< reason for not decoding it; empty: it is decoded, or not needed
+  std::string undecoded;  ///< reason if it is not decoded; empty: it is decoded, or not needed
 };
 
 /// A joint of the arm and the name under which it is recorded.
@@ -22,11 +22,11 @@ struct JointMatch {
   std::string recorded;
 };
 
-/// Properties of a recording beside its samples.
+/// Properties of a recording other than its samples.
 struct RecordingFacts {
   std::string format;               ///< "CSV", "ROS 1 bag", "MCAP", ...
   std::vector<std::string> joints;  ///< names, in the order of the columns
-  std::vector<JointMatch> matched;  ///< joints that were searched by name; empty: none was
+  std::vector<JointMatch> matched;  ///< joints that were searched for by name; empty: none were
   std::vector<TopicFacts> topics;   ///< of a container; empty otherwise
   std::vector<std::string> remarks; ///< whole sentences for the user
   double start = 0.0;  ///< [s since 1970] of time 0; 0: the time column is as in the file

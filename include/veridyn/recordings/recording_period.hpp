@@ -23,7 +23,6 @@ struct MotionPeriod {
 /// standard deviation. At least 1.4 periods are needed; the first 125 s are searched. The estimate
 /// is refined on the 2nd, 4th, 8th, ... repeat, so that the error is about (tracking error / speed)
 /// / repeats.
-/// 6000 rows.
 MotionPeriod detect_period(const Recording& recording);
 
 }  // namespace veridyn

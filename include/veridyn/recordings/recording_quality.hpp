@@ -9,7 +9,7 @@
 namespace veridyn {
 
 enum class Severity {
-  kInfo,     ///< information; the data are used as they are
+  kInfo,     ///< information; the data are used unchanged
   kWarning,  ///< the data are usable, but a result may suffer
   kFault     ///< a result from these data would be wrong
 };
@@ -28,7 +28,7 @@ struct QualityFinding {
   std::string sentence;  ///< whole sentence for a technician
 };
 
-/// A stretch in which a torque stands at the limit of its channel.
+/// An interval in which a torque stays at the limit of its channel.
 struct SaturatedInterval {
   int joint = 0;      ///< from 0
   double from = 0.0;  ///< [s] since the recording began
@@ -43,7 +43,7 @@ struct RecordingQuality {
   double duration = 0.0;  ///< [s]
   double rate = 0.0;      ///< [Hz] inverse of the median time step
   MotionPeriod period;
-  RecordingFacts facts;  ///< joints' names, topics, remarks
+  RecordingFacts facts;  ///< names of the joints, topics, remarks
   std::vector<QualityFinding> findings;  ///< worst first
   std::vector<SaturatedInterval> saturated;  ///< torques exactly at a limit, while the arm moves
 
@@ -73,17 +73,17 @@ const char* name_of(Severity severity);
 ///   zero_signal         a signal is always zero
 ///   constant_signal     a signal never differs from its first value
 ///   jumps               position steps that the neighbouring motion cannot explain; value: the largest
-///  saturation          torque or current stays at its extreme; value: that limit; share of rows
+///   saturation          torque or current stays at its extreme; value: that limit; share of rows
 ///   start_up_transient  torque rings when the recording starts; value: until when [s]
 ///   rate_contradiction  dq = value * dq/dt of q, the same value on all moving joints
 ///   velocity_scale      as rate_contradiction, on this joint only
-///  velocity_sign       as rate_contradiction, with a value near -1
+///   velocity_sign       as rate_contradiction, with a value near -1
 ///   degrees             q or dq looks like degrees (dq 57.3 times too large; q beyond 4 pi most of
 ///                       the time)
 ///   velocity_quantised  dq is quantised coarsely; value: step; share: step by the signal's range
 ///   torque_quantised    torque or current is quantised coarsely; value: step; share: step by the signal's range
-///  velocity_unrelated  dq is not the derivative of q; value: their correlation
-///  velocity_delay      dq lags the derivative of q (cross-correlation); value [s]
+///   velocity_unrelated  dq is not the derivative of q; value: their correlation
+///   velocity_delay      dq lags the derivative of q (cross-correlation); value [s]
 ///   joint_at_rest       q stays within 5 mrad or 5 mm; value: its range
 ///   same_column         the torques of two joints are equal in every row
 ///   no_sign             no torque of any moving joint is negative

@@ -16,16 +16,16 @@ struct WantedJoint {
   double effort = std::numeric_limits<double>::infinity();  ///< [N m] or [N] limit of its torque
 };
 
-/// A joint of the robot that with_fixed() holds; a recording may have it all the same.
+/// A joint of the robot that with_fixed() holds; a recording may contain it nevertheless.
 struct HeldJoint {
   int number = 0;  ///< among all joints of the robot, from 1
   WantedJoint joint;
   double position = 0.0;  ///< [rad] or [m]
 };
 
-/// Selection of the arm's signals in a recording that holds more, or that uses other names.
+/// Selection of the arm's signals in a recording with more signals, or with other names.
 struct SignalChoice {
-  /// Topics to take joints from; empty: the topic that holds them.
+  /// Topics from which joints are taken; empty: the topic that contains them.
   std::vector<std::string> topics;
   /// Source of a signal, by signal and joint (`tau1` = `/arm/effort/0`), for all joints (`tau` =
   /// `/arm/effort`) or for the time (`t` = `stamp`), or the recorded name of a joint (`yaw` =
@@ -37,9 +37,9 @@ struct SignalChoice {
   std::map<std::string, std::string> units;
   /// Joints in the order of the columns; empty: those of the file, in its order.
   std::vector<WantedJoint> joints;
-  /// Joints that are held, by number; where a recording has them too, they are left out.
+  /// Joints that are held, by number; if a recording contains them, they are ignored.
   std::vector<HeldJoint> held = {};
-  /// Rows that are plainly wrong are kept: dropouts, wrapped angles, bursts.
+  /// Keep rows that are clearly wrong: dropouts, wrapped angles, bursts.
   bool as_recorded = false;
 };
 

@@ -22,12 +22,12 @@ std::string filled_text(const FilledRows& filled, long rows);
 
 /// A stream of rows in which those that a late publisher repeated are interpolated.
 ///
-/// A row is stale if it repeats the row before in every signal although the arm moves (its velocity
-/// is not zero, or, without recorded velocities, its position changes afterwards). The signals of
-/// one row may arrive in several messages and catch up at different rows; so each signal is
-/// interpolated from its own last new value before a stale row to its first new one behind it:
-/// positions on the cubic through both and their velocities (linearly without recorded velocities;
-/// the cubic never reverses, whatever the velocities say), every other signal linearly.
+/// A row is stale if it repeats the previous row in every signal although the arm moves (its velocity is not
+/// zero, or, without recorded velocities, its position changes afterwards). The signals of one row may arrive
+/// in several messages and catch up at different rows; so each signal is interpolated from its last new value
+/// before a stale row to its first new one after it: positions on the cubic through both with their
+/// velocities (linearly without recorded velocities; the cubic is monotone for any velocities), every other
+/// signal linearly.
 ///
 /// Repeats of more than a tenth of a second, at the end of the recording, or beside gaps are kept.
 /// A recording without stale rows passes through unchanged, bit for bit. Memory: the requested

@@ -22,7 +22,7 @@ namespace veridyn {
 //
 // @param command  the command line of the run, shown verbatim; empty: none.
 
-/// @param robot  the robot file: its values, if any, are marked beside the identified ones.
+/// @param robot  the robot file: its values, if any, are shown next to the identified ones.
 /// @throws InvalidInput  there is no model.
 std::string to_page(const Identification& id, const std::string& command = "",
                     const Model* robot = nullptr);
@@ -45,7 +45,7 @@ std::string result_page(const std::string& title, const std::string& result,
 std::string to_page(const RobotInfo& info, const std::string& command = "");
 std::string to_page(const std::vector<RecordingQuality>& recordings, const std::string& command = "");
 std::string to_page(const PayloadReport& report, const std::string& command = "");
-/// @param arm  whose joints are named; null: those that move.
+/// @param arm  for the names of its joints; null: the joints that move.
 std::string to_page(const FrictionStudy& study, const std::string& command = "", const Model* arm = nullptr);
 std::string to_page(const ModelComparison& comparison, const std::string& command = "");
 std::string to_page(const Fleet& fleet, const std::string& command = "");

@@ -9,11 +9,11 @@ namespace veridyn {
 
 struct BreakawayOptions {
   JointIndex joint;
-  double way = 0.0;  ///< [rad], [m] of motion that ends its rest; 0: 10 mrad or 1 mm
-  /// [rad/s], [m/s] above which it slides; 0: 50 mrad/s or 5 mm/s. Presliding friction creeps by up
-  /// to a millimetre before it slides.
+  double way = 0.0;  ///< [rad], [m] displacement that ends its rest; 0: 10 mrad or 1 mm
+  /// [rad/s], [m/s] speed above which it slides; 0: 50 mrad/s or 5 mm/s. Presliding friction allows creep of
+  /// up to a millimetre before the joint slides.
   double speed = 0.0;
-  double rest = 0.5;  ///< [s] of rest that is required
+  double rest = 0.5;  ///< [s] required duration of the rest
 };
 
 /// One ramp: the joint rested, the effort rose, and the joint broke away.
@@ -23,7 +23,7 @@ struct BreakawayEvent {
   double recorded_at = 0.0;
   double recorded = 0.0;  ///< [N m], [N] effort at the onset of sliding
   double simulated_at = 0.0;
-  double simulated = 0.0;  ///< NaN: the model did not slide, although pushed for longer
+  double simulated = 0.0;  ///< NaN: the model did not slide, although the effort continued
 };
 
 struct Breakaway {

@@ -21,8 +21,8 @@ PidGains sensible_gains(const Model& arm, double frequency = 6.0);
 /// D for given p: critical damping at the inertia in the middle of the range.
 VectorXd critical_damping(const Model& arm, const VectorXd& p);
 
-/// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, one number per joint. Without i it is
-/// zero, without d the damping is critical.
+/// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, one number per joint. The default of i is zero,
+/// that of d critical damping.
 /// @throws InvalidInput  the file is malformed, or its number of joints differs.
 PidGains read_gains(const std::string& path, const Model& arm);
 
@@ -37,7 +37,7 @@ ImpedanceGains read_tip_gains(const std::string& path);
 struct Drive {
   VectorXd limit;     ///< (n) largest torque [N m], [N]; empty: the robot file's effort limits
   double lag = 0.0;   ///< [s] time constant of the current loop
-  double step = 0.0;  ///< torques are multiples of it [N m], [N]; 0: exact
+  double step = 0.0;  ///< [N m], [N] torques are multiples of this; 0: exact
 };
 
 /// Sensors of the controller.
@@ -49,14 +49,14 @@ struct LoopSensors {
 
 struct LoopOptions {
   PidGains gains;
-  /// Set: computed torque with this model in place of the PID; `gains` are then those of ComputedTorque,
-  /// p [1/s^2] and d [1/s], whatever the joints' inertia, and i is not used.
+  /// If set: computed torque with this model in place of the PID. `gains` are then those of ComputedTorque, p
+  /// [1/s^2] and d [1/s], independent of the joints' inertia, and i is not used.
   std::shared_ptr<const Model> model;
-  double friction = 0.0;  ///< share of the model's friction that is compensated beside that law
+  double friction = 0.0;  ///< share of the model's friction that is compensated in addition to that law
   Drive drive;
   LoopSensors sensors;
-  /// [Hz] of the controller, independent of the rows' rate: it runs a whole number of times between
-  /// two rows, or once in a whole number of rows, whichever is closest.
+  /// [Hz] of the controller, independent of the rows' rate: it runs an integer number of times between two
+  /// rows, or once in an integer number of rows, whichever is closest.
   double rate = 1000.0;
   VectorXd start;  ///< (n) initial position; empty: the first set point
   std::vector<PerturbedArm::Contact> contacts;  ///< external forces on the arm
@@ -71,19 +71,19 @@ struct EngineRun {
   std::optional<int> joint = {};  ///< joint that failed, from 0
 
   bool complete() const { return status == StepStatus::kOk; }
-  /// "stopped at 1.2 s: joint insertion has ...", for a run that is not complete.
+  /// "stopped at 1.2 s: joint insertion has ...", for a run that is incomplete.
   std::string stop_reason(const Model& arm) const;
 };
 
-/// Runs a PID, or computed torque, that follows set points from the first one on; rows are recorded
-/// at their times. Set points between rows are interpolated linearly, with their velocities. Ends
-/// with kRanAway where a joint is farther from its set point than ten times its range.
+/// Runs a PID, or computed torque, along set points from the first one on; rows are recorded at their times.
+/// Set points between rows are interpolated linearly, with their velocities. Ends with kRanAway if a joint is
+/// farther from its set point than ten times its range.
 /// @throws InvalidInput  sizes differ, or a rate or a lag is out of range.
 EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& set_points,
                        const LoopOptions& options);
 
-/// Steps of one joint after the other from rest to rest, as in figure 7.3 of the thesis: quintic, 1 s
-/// each, with 2 s of rest after it; rows at 1 kHz. @param start, steps  (n) [rad], [m].
+/// Steps of one joint after the other from rest to rest, as in figure 7.3 of the thesis: quintic, 1 s each,
+/// followed by 2 s of rest; rows at 1 kHz. @param start, steps  (n) [rad], [m].
 MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps);
 
 /// Applies recorded torques: row k from its time until that of row k + 1. Starts at the first row

@@ -7,8 +7,8 @@ namespace veridyn {
 /// An arm whose missing values are replaced by plausible ones.
 struct PlausibleModel {
   Model arm;
-  int bodies = 0;   ///< number that got values
-  int effects = 0;  ///< number that got values
+  int bodies = 0;   ///< number of bodies that were given values
+  int effects = 0;  ///< number of effects that were given values
 };
 
 /// Bodies are ellipsoids of 0.2 to 3 kg with half axes of 3 to 12 cm, turned at random, their

@@ -27,8 +27,8 @@ ReplayInput replay_input(const Model& arm, const std::string& recording, Preproc
 
 /// Inputs of the model and signals to compare.
 enum class ReplayDrive {
-  /// A PID follows the set points that the recorded controller must have had: those for which tau =
-  /// p e + d de/dt gives the recorded torque at the recorded motion (gains.i is not used).
+  /// A PID follows the set points of the recorded controller, reconstructed such that tau = p e + d de/dt
+  /// gives the recorded torque at the recorded motion (gains.i is not used).
   kCommands,
   kSetPoints,  ///< a PID follows the recorded motion; compares the torques
   kTorques     ///< the recorded torques are applied; compares the motion

@@ -25,10 +25,10 @@ struct SensorNoise {
   double torque_coloured = 0.0;  ///< standard deviation of a first-order autoregressive process
   double colour_seconds = 0.1;   ///< its correlation time [s]
   double delay = 0.0;            ///< [s] by which all signals lag the rows' times
-  /// [s] standard deviation of an additional random lateness of the rows, as of a publisher without
-  /// a clock of its own.
+  /// [s] standard deviation of an additional random lateness of the rows, as of a publisher without its own
+  /// clock.
   double late = 0.0;
-  double stale_rows = 0.0;   ///< share of rows that repeat the row before in all signals but time
+  double stale_rows = 0.0;   ///< share of rows that repeat the previous row in all signals except the time
   double stale_run = 1.0;    ///< mean number of repeats in a row; 1: isolated rows
   double dropouts = 0.0;     ///< share of rows without any number but the time
   double dropout_run = 1.0;  ///< mean length of a dropout in rows; 1: isolated rows

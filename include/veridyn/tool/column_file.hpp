@@ -13,9 +13,9 @@ struct ColumnFile {
   std::vector<std::string> names;
   MatrixXd values;  ///< (rows x names)
 
-  /// The column of that name; -1: there is none.
+  /// Index of the column with this name; -1 if there is none.
   int find(const std::string& name) const;
-  /// @throws InvalidInput  there is none; with file, line, names found and expected.
+  /// The same. @throws InvalidInput  there is none; with file, line, names found and expected.
   int at(const std::string& name) const;
 };
 

@@ -8,7 +8,8 @@
 
 namespace veridyn::cli {
 
-/// One of the files of a command. All contents are made before one is written: a refusal leaves no file.
+/// One of the files of a command. All contents are computed before a file is written, so that an error leaves
+/// no file.
 struct FileToWrite {
   std::string path, content;
   std::function<void()> tell = {};  ///< prints remarks on this file once all are written

@@ -9,13 +9,13 @@
 
 namespace veridyn::cli {
 
-/// Finished parts of one command's work, each a line of numbers in a file, so that the same command goes
-/// on after a kill. Threads may share it.
+/// Finished parts of one command's work, each a line of numbers in a file, so that the same command can
+/// continue after it was killed. Threads may share it.
 class KeptResults {
  public:
   /// @param what     begins the file, such as "excite: searches".
-  /// @param command  everything that the results depend on; the file's first line has its hash.
-  /// @throws InvalidInput  the file is of another command, or cannot be written.
+  /// @param command  all inputs on which the results depend; the file's first line has its hash.
+  /// @throws InvalidInput  the file belongs to another command, or cannot be written.
   KeptResults(std::string path, const std::string& what, const std::string& command);
 
   std::optional<VectorXd> find(int part) const;

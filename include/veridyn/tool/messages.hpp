@@ -14,10 +14,10 @@ namespace veridyn::cli {
 /// Prints `veridyn: line` on standard error, and clears a progress bar there.
 void print_message(const std::string& line);
 
-/// A reason for which a file may be refused later; the refusal of this file ends with it.
+/// Registers a reason for which a file may be refused later; the error message for this file ends with it.
 void explain_refusal(const std::string& file, const std::string& sentence);
 
-/// The line of a refusal, with the reason that is known for its file.
+/// The error message, with the registered reason for its file.
 std::string with_reason(const std::string& refusal);
 
 /// The arguments as one line that a shell parses into the same arguments.
@@ -33,9 +33,9 @@ Progress progress(const CommonOptions& options);
 /// Clears a progress bar on a terminal, before lines of the result.
 void clear_bar();
 
-/// For work whose share done is not known: while it exists, and once a second has passed, the
-/// activity and its seconds on a terminal, one plain line elsewhere; nothing with --quiet.
-/// Nothing else is to be printed meanwhile.
+/// Shows work whose progress is unknown: while it exists, and after one second, the activity and its seconds
+/// on a terminal, one plain line elsewhere; nothing with --quiet. Nothing else may be printed in the
+/// meantime.
 class Busy {
  public:
   Busy(const CommonOptions& options, std::string what);
@@ -53,7 +53,7 @@ class Busy {
   std::thread shown_;
 };
 
-/// The result of `work`, with Busy shown meanwhile.
+/// The result of `work`, with Busy shown while it runs.
 template <class Work>
 auto while_busy(const CommonOptions& options, const char* what, Work work) {
   const Busy busy(options, what);

@@ -14,8 +14,8 @@
 
 namespace veridyn::cli {
 
-// Commands of the library to which a package adds options. The package's program has the command with all its
-// options, and `veridyn` passes a call with one of the package's on to it.
+// Commands of the library to which a package adds options. The program of the package implements the command
+// with all its options, and `veridyn` passes a call with one of these options on to it.
 
 /// More files for `export`.
 struct ExportExtension {
@@ -28,9 +28,9 @@ struct ExportExtension {
 
 void add_export_command(CLI::App& tool, Outcome& outcome, const std::optional<ExportExtension>& extension);
 
-/// Arms that `kinematics` knows by a name of their own.
+/// Arms that `kinematics` knows by another name.
 struct KinematicsExtension {
-  /// Solves for the pose of the frame "tip", returns a status word; `q` starts at the previous row.
+  /// Solves for the pose of the frame "tip" and returns a status word; `q` starts at the previous row.
   using InverseSolver = std::function<std::string(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
   struct Arm {
     Model model;
@@ -42,7 +42,7 @@ struct KinematicsExtension {
 
 void add_kinematics_command(CLI::App& tool, Outcome& outcome, const KinematicsExtension& extension);
 
-/// Another purpose of `excite` than a motion for identification.
+/// A purpose of `excite` other than a motion for identification.
 struct ExciteExtension {
   struct Request {
     const CLI::App* command = nullptr;

@@ -17,13 +17,13 @@ struct OptionNeed {
   const char* needs;   ///< the prerequisite in words: "--controller pid"
 };
 
-/// Refuses options that would have no effect.
+/// Rejects options that would have no effect.
 /// @throws CLI::ValidationError  names the first of them and its prerequisite.
 void expect_needs(const CLI::App& command, const std::vector<OptionNeed>& needs);
 
-/// Calls make() and reports its refusal as wrong usage of an option, not as bad input. Files are
-/// read elsewhere.
-/// @throws CLI::ValidationError  in place of InvalidInput, with the option named first.
+/// Calls make() and reports its error as wrong usage of an option, not as bad input. Files must be read
+/// outside of make().
+/// @throws CLI::ValidationError  in place of InvalidInput, beginning with the option.
 template <typename Make>
 auto value_of(const std::string& option, Make&& make) {
   try {

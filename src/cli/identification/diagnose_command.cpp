@@ -35,7 +35,7 @@ struct DiagnoseRequest {
   CommonOptions common;
 };
 
-// Checks that all are names of effects, or causes EFFECT:PLACE of the arm.
+// Checks that all of them are names of effects, or causes EFFECT:PLACE of the arm.
 void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     expect_one_of("--effects", split_cause(name).effect, effect_names());
@@ -53,7 +53,7 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv", "--criterion"};
   if (next.between.empty()) {
     words.emplace_back("d-optimal");
-    if (!request.model_out.empty()) words[2] = request.model_out;  // its tables count as parameters
+    if (!request.model_out.empty()) words[2] = request.model_out;  // tables of the extended model count as parameters
   } else {
     words.insert(words.end(), {"discriminate", "--between",
                                to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])});

@@ -70,7 +70,7 @@ bool needs_samples(const IdentifyRequest& request) {
   return request.options.method == Method::kIv || request.options.method == Method::kDidim;
 }
 
-void expect_options_that_mean_something(const IdentifyRequest& request) {
+void expect_effective_options(const IdentifyRequest& request) {
   const bool feasible = request.options.method == Method::kFeasible;
   expect_needs(*request.command,
                {{"--prior", feasible, "--method feasible"},
@@ -126,8 +126,8 @@ Identification identified_at_rest(const IdentifyRequest& request, const Model& a
   return identify_at_rest(arm, train, test, options);
 }
 
-// The training recordings become factors, with the velocities that identify() chooses for them, or
-// that the factors beside them were made with.
+// The factors of the training recordings, with the velocities that identify() chooses for them, or with which
+// the factors given beside them were computed.
 FactorSet compressed(const IdentifyRequest& request, const Model& arm,
                      const IdentificationOptions& options) {
   FactorSet factors = read_all_factors(request.factors);
@@ -175,7 +175,7 @@ void write_results(const IdentifyRequest& request, const Identification& id,
   if (request.parameters) std::cout << parameters_text(id);
 }
 
-// Name of a file for the factors of one rank, beside the requested one.
+// Name of the file for the factors of one rank, in the folder of the requested file.
 std::string part_of(const IdentifyRequest& request, const Communicator& ranks) {
   return text(request.factor_out, ".rank-", ranks.rank());
 }
@@ -212,7 +212,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
     const Identification id = identified_by_ranks(request, arm, options, ranks);
-    if (!first) return kDone;  // the first rank has the answer and its status
+    if (!first) return kDone;  // the first rank has the result and its status
     for (const UnusedRecording& r : id.unusable_recordings) print_message("warning: left out: " + r.why);
     if (id.parameters.size() == 0) {
       print_message(id.reason);
@@ -224,7 +224,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     if (first) print_message(error.what());
     end_all_ranks(kBadInput);
   } catch (const CLI::Error&) {
-    throw;  // thrown on every rank alike
+    throw;  // thrown on all ranks
   } catch (const std::exception& error) {
     print_message(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
     end_all_ranks(kProgramFault);
@@ -233,7 +233,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
 
 ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   const std::unique_ptr<Communicator> ranks = mpi_ranks();
-  expect_options_that_mean_something(request);
+  expect_effective_options(request);
   require_writable(request.common.json, request.common.report, request.model_out);
   expect_simulation_of("--model-out", request.model_out, request.robot);
   require_writable(request.factor_out);

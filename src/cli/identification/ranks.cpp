@@ -30,7 +30,7 @@ int from_environment(const char* open_mpi, const char* others) {
 
 std::array<char, 1024> last_words{};
 
-extern "C" void say_last_words(int) {
+extern "C" void print_last_line(int) {
   const ssize_t written = ::write(STDERR_FILENO, last_words.data(), std::strlen(last_words.data()));
   ::_exit(written < 0 ? 1 : 143);
 }
@@ -109,7 +109,7 @@ void end_all_ranks(int status) {
 void print_on_abort(const std::string& line) {
   const std::string words = line + "\n";
   std::strncpy(last_words.data(), words.c_str(), last_words.size() - 1);
-  std::signal(SIGTERM, &say_last_words);
+  std::signal(SIGTERM, &print_last_line);
 }
 
 }  // namespace veridyn::cli

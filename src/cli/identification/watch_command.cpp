@@ -34,7 +34,8 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void stop(int /*signal*/) { interrupted = 1; }
 
-// Handlers of signals that end the program: they either let the results so far be written, or nothing.
+// Sets the handlers of the signals that end the program: either one that lets the results so far be written,
+// or none.
 void on_signals(void (*handler)(int)) {
   struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
   action.sa_handler = handler;
@@ -96,7 +97,7 @@ class Watching {
     }
     if (progress_) clear_bar();
     write(false);
-    // Ctrl-C is the end of a source that grows; of a recording it leaves rows out.
+    // Ctrl-C ends a source that grows normally; a recording would be incomplete.
     if (interrupted != 0 && !has_growing_source(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
       if (!s.states.empty() && s.learned < s.to - s.from - s.blind - 0.5 * request_.options.step) continue;
@@ -112,8 +113,7 @@ class Watching {
     if (progress_) progress_(what, static_cast<double>(watched_.size()) / static_cast<double>(request_.sources.size() + 1));
   }
 
-  // Warns of a large residual while the noise is learned, since it then counts as normal for the
-  // arm.
+  // Warns of a large residual while the noise is learned, because it then counts as normal for this arm.
   void warn_of_residual(const std::string& source) {
     const auto& identified = arm_.description().identified;
     const VectorXd own = identified && identified->error.size() == missed_.size() ? VectorXd(100.0 * identified->error) : VectorXd();

@@ -42,7 +42,7 @@ ExportedModel exported(const ExportRequest& request, const Model& model, RotorPl
   return exported_model(model, prior, request.meshes_from, rotors);
 }
 
-// Prints notes after the files are written, so that a refusal has one line.
+// Prints notes after the files are written, so that an error prints nothing else.
 void print_notes(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& warning : out.warnings)
     print_message("warning: " + request.model + ": " + warning + ".");
@@ -58,8 +58,8 @@ std::string yaml_of(const ExportRequest& request, const Model& model) {
   return origin ? with_origin(to_yaml(model), *origin) : to_yaml(model);
 }
 
-// The simulation's file that takes the model's values: the one that is named, or else the one that
-// the model came from; empty: none of this format.
+// The simulation's file into which the model's values are written: the named one, or the file of the model's
+// origin; empty if that has another format.
 std::string simulation_of(const ExportRequest& request, const Model& model, RobotFormat format) {
   const std::string& source = model.description().source;
   const std::string& file = request.into.empty() ? source : request.into;

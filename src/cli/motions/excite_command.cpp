@@ -85,7 +85,7 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(description));
 }
 
-// The arm of --model. One identified with locked joints lacks them already.
+// The arm of --model. An arm that was identified with locked joints does not contain them.
 Model read_arm_with_values(const ExciteRequest& request) {
   const Model arm = read_model(request.model);
   std::map<std::string, double> fixed;
@@ -201,7 +201,7 @@ std::string missing_motion_reason(const Excitation& found) {
               "; nothing is written.");
 }
 
-// Refuses a solver that was not built; it is not replaced by another.
+// Throws if the solver was not built; it is not replaced by another.
 void expect_solver(const ExciteRequest& request) {
   const ExcitationSolver solver = request.options.solver;
   expect_value(is_built_in(solver), "--solver", "found '", name_of(solver),
@@ -209,7 +209,7 @@ void expect_solver(const ExciteRequest& request) {
                solver == ExcitationSolver::kIpopt ? "coinor-libipopt-dev" : "libnlopt-dev");
 }
 
-// Everything that the searches depend on: the given options and the files that they name.
+// All inputs of the searches as text: the given options and the contents of the files that they name.
 std::string search_words(const CLI::App& command) {
   static const std::set<std::string> kOfTheResult = {"--output", "--coefficients", "--json", "--report", "--resume", "--speed", "--threads", "--quiet"};
   std::string out = VERIDYN_VERSION;
@@ -273,7 +273,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   const Interruptible until_interrupted;
-  // Its exceptions are caused by option values for this arm.
+  // Exceptions here come from option values that do not fit this arm.
   Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
   const bool known = arm.inertial_values() || !request.model.empty();
   if (found.prediction && !known)

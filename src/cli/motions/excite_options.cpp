@@ -15,7 +15,7 @@ namespace {
   throw CLI::ValidationError(option, "found '" + words + "', expected " + expected);
 }
 
-// Parses numbers between commas; `counts` are the allowed numbers of them.
+// Parses numbers separated by commas; `counts` are the allowed numbers of them.
 std::vector<double> numbers(const std::string& option, const std::string& words,
                             const std::string& list, const std::vector<size_t>& counts,
                             const std::string& expected) {

@@ -38,7 +38,7 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   }
 }
 
-// Plausible values are reported after the motion is read, so that a bad file has one line.
+// Plausible values are reported after the motion is read, so that the error for a bad file is the only line.
 Model arm_with_values(const SimulateRequest& request, std::string& made_up_words) {
   PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;

@@ -17,7 +17,7 @@ namespace veridyn::cli {
 namespace {
 
 const char* const kControl = "Control";
-constexpr double kFrequency = 20.0;  // [rad/s] of both poles that computed torque gives an error
+constexpr double kFrequency = 20.0;  // [rad/s] both poles of the error under computed torque
 
 VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
   if (numbers.empty()) return {};
@@ -219,7 +219,7 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
     const VectorXd off = (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs();
     report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point", i + 1, c.name,
                           1e3 * off.maxCoeff(), c.prismatic ? "mm" : "mrad");
-    if (!request.steps.empty()) {  // when the next joint begins
+    if (!request.steps.empty()) {  // times at which the next joint begins
       const Eigen::Index last = std::min(off.size(), (i + 1) * wanted.rows() / arm.joints()) - 1;
       report += fmt::format(", {:.3g} at the end of its step", 1e3 * off[last]);
     }

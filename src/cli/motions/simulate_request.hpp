@@ -30,7 +30,7 @@ struct SimulateRequest {
   double breakaway_speed = 0.0;  // [rad/s], [m/s]; 0: default
   std::string gains;
   std::vector<double> p, i, d, limit;
-  std::vector<double> steps;     // [rad], [m] of joint after joint, in place of a trajectory
+  std::vector<double> steps;     // [rad], [m] steps of one joint after the other, in place of a trajectory
   std::string controller_model;  // of computed torque; empty: the arm as its file says
   LoopOptions loop;
   double set_point_cutoff = 0.0;  // [Hz]; 0: none
@@ -57,7 +57,7 @@ Recording rows_of(const MotionSamples& motion, const MatrixXd& tau);
 /// Reports the effects that an engine does not support.
 void report_omitted_effects(const SimulateRequest& request, const std::vector<std::string>& left_out);
 
-/// Reports where a run stopped early; its results are not written then.
+/// Reports a run that stopped early; its results are not written.
 bool stopped(const EngineRun& run, const Model& arm);
 
 /// @param command_line  for the page.

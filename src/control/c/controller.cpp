@@ -8,7 +8,7 @@
 
 struct veridyn_controller {
   veridyn::JointController controller;
-  veridyn::Measured positions, with_velocities;  // the second one for callers that measure velocities
+  veridyn::Measured positions, with_velocities;  // the second one is for callers that measure velocities
   veridyn::JointReference wanted;
 };
 

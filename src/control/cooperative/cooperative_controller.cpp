@@ -265,13 +265,13 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
-  // Repeated zeros belong to a slack member.
+  // A slack member repeats zeros, which is no frozen sensor.
   return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
 }
 
-// Checks the change between two samples; the length of the member is measured in every cycle, its
-// force at the rate of the sensor. A slack member has no force at any length.
+// Checks the change between two samples; the length of the member is measured in every cycle, its force at
+// the rate of the sensor. A slack member has no force at any length.
 bool CooperativeController::jumps(size_t member, const ForceReading& reading,
                                   double length) noexcept {
   Watch& watch = watches_[member];
@@ -287,9 +287,9 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
   return !first && stiffness > 0.0 && change > options_.jump_force + 2.0 * stiffness * way;
 }
 
-// A reading is compared with the member's length over the whole time since the wanted force last
-// arrived: a law that tracks a drifting sensor stretches or slackens the member until they disagree.
-// A slack string has no force, although its length would imply a negative one.
+// Compares a reading with the member's length over the whole time since the wanted force last arrived: a law
+// that follows a drifting sensor stretches or slackens the member until they disagree. A slack string has no
+// force, although its length would imply a negative one.
 bool CooperativeController::drifts(size_t member, const ForceReading& reading,
                                    const CooperativeInput& input) noexcept {
   Watch& watch = watches_[member];
@@ -334,7 +334,7 @@ bool CooperativeController::generates_energy(size_t member, const ForceReading& 
 }
 
 CooperativeState CooperativeController::check_input(const CooperativeInput& input) noexcept {
-  // The stretch under its force displaces the ends of a member from the path of the motion alone.
+  // The stretch of a member under its force displaces its ends from the path of the motion.
   double stretch = 0.0;
   for (size_t k = 0; k < trackers_.size(); ++k) {
     const double stiffness = options_.members[k].law.stiffness;
@@ -373,8 +373,8 @@ CooperativeState CooperativeController::check_input(const CooperativeInput& inpu
   return CooperativeState::kTracking;
 }
 
-// While targets are held: ends that still follow yield along members whose force exceeds the bound,
-// the leader's too. Readings of failed sensors are ignored.
+// While targets are held: ends that still follow, the leader's included, yield along members whose force
+// exceeds the bound. Readings of failed sensors are ignored.
 void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   if (sensor_failed()) return;
   for (size_t k = 0; k < trackers_.size(); ++k) {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kCarried = 1.4;        // [kg] at the member, for which its damping is designed
 constexpr double kMostDamping = 120.0;  // [N s/m]
 constexpr double kCrossover = 30.0;     // [rad/s]
-constexpr double kReachForce = 20.0;    // [N] covered by the reach
+constexpr double kReachForce = 20.0;    // [N] force range that the reach covers
 
 }  // namespace
 
@@ -49,7 +49,7 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
   clock_ += dt;
   const double e = wanted - reading.force;
   if (reading.number && reading.number != number_) {
-    // Time between samples, so that a lost sample is counted with the next.
+    // A lost sample is counted with the next one.
     const double since = !number_ ? dt : clock_ - last_time_;
     const double before = x_f_;
     if (std::abs(e) > law_.deadband) {

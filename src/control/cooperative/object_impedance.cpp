@@ -105,8 +105,8 @@ const ObjectMotion& ObjectImpedance::estimate(const std::vector<Vector3d>& posit
   return now_;
 }
 
-// The smallest forces of the hands with the resultants F and N: an equal share of F for each, and y
-// x (r_i - r), whose sum is zero, for the rest of N.
+// The smallest forces of the hands with resultant force F and moment N: an equal share of F for each, and y x
+// (r_i - r), with sum zero, for the rest of N.
 void ObjectImpedance::distribute(const ObjectMotion& now, const Vector3d& F,
                                  const Vector3d& N) noexcept {
   const double share = 1.0 / static_cast<double>(hands());

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kShortest = 1e-6;  // [m] smallest distance of tips with a defined direction
-constexpr double kLearning = 0.01;  // share of the difference, per period
+constexpr double kLearning = 0.01;  // share of the difference that is corrected in each period
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -60,7 +60,7 @@ void TetherGuard::update_length(int member, double length, double force) noexcep
   const double stiffness = members_[k].stiffness;
   if (!std::isfinite(length) || !std::isfinite(force)) return;
   detect_compression(member, force);
-  if (!(force > 0.0)) {  // slack or compressed: the unloaded length is at least this
+  if (!(force > 0.0)) {  // slack or compressed: this length is a lower bound of the unloaded one
     lengths_[k] = std::isnan(lengths_[k]) ? length : std::max(lengths_[k], length);
     return;
   }
@@ -87,8 +87,8 @@ void TetherGuard::update_positions(const std::vector<Vector3d>& position) noexce
   }
 }
 
-// L_max: taut members may carry twice the force (at the force itself other ends yield, and noise
-// must not move anything); those that have been slack keep their margin.
+// Sets L_max: taut members may carry twice the force (at the force itself other ends yield, and noise must
+// not move anything); members that have been slack keep their margin.
 void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
   const double stretch = members_[k].stiffness > 0.0 ? 2.0 * force / members_[k].stiffness : 0.0;
   const double taut = lengths_[k] + stretch;
@@ -111,7 +111,7 @@ void TetherGuard::hold_back(std::size_t k, const std::vector<char>& healthy,
   const double rate = u.dot(relative);
   const double turning = (relative - rate * u).squaredNorm() / length;
   const double h = options_.horizon;
-  // Each end acts alone, whatever the other one does, because the other may have no torque.
+  // Each end acts on its own, because the other one may have no torque.
   const auto keep = [&](double sign, double bound) {  // sign d2L/dt2 <= most
     const double most = -sign * 2.0 / h * rate - sign * (length - bound) / (h * h);
     const double by_from = sign * (u.dot(seen_[to].acceleration) + turning) - most;

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kHoldStiffness = 100.0;  // [1/s^2] about the position where the arm stopped
 constexpr double kBlindBraking = 0.8;     // share of the momentum; friction takes the rest
-// Times the largest displacement between two measurements at the velocity limit: an arm that runs away
+// Multiple of the largest displacement between two measurements at the velocity limit: an arm that runs away
 // is stopped at 1.5 times that limit (SafetyLimits::runaway).
 constexpr double kJumpShare = 2.0;
 
-// Share of a motor's limit: a motor at rest with more torque is blocked.
+// Share of a motor's limit: a motor at rest with a larger torque is blocked.
 constexpr double kNearLimit = 0.95;
 
 // A position counts as newly measured if its time of measurement has advanced by this share of a cycle.
@@ -77,7 +77,7 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
                             &limits_.tracking, &limits_.resolution})
     require(v->size() == n, "SafetySupervisor: found limits of ", v->size(), " entries, but arm '",
             arm.name(), "' has ", n, " joints.");
-  // minCoeff() may pass over a NaN.
+  // minCoeff() may skip a NaN.
   const auto above_zero = [](const VectorXd& v) { return (v.array() > 0.0).all(); };
   require(above_zero(limits.upper - limits.lower) && above_zero(limits.velocity) &&
               above_zero(limits.torque) && limits.torque.allFinite() && above_zero(limits.tracking) &&
@@ -213,8 +213,8 @@ bool SafetySupervisor::is_at_rest(const ArmState& arm) const noexcept {
   return (arm.dq().cwiseAbs().array() <= limits_.rest_share * limits_.velocity.array()).all();
 }
 
-// The test of "hold": the kinetic energy must fall, unless the arm is at rest. After a force fault
-// the arm yields and may move, but not run away.
+// The test in state "hold": the kinetic energy must decrease, unless the arm is at rest. After a force fault
+// the arm yields and may move, but must not run away.
 SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
                                                        const SafetyInput& input) noexcept {
   const bool brakes = action_ == SafetyAction::kHold;
@@ -251,7 +251,7 @@ SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const Saf
   return found;
 }
 
-// Stores a valid state, for later cycles without one.
+// Stores a valid state for later cycles that have none.
 void SafetySupervisor::store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept {
   q_sound_ = arm.q();
   extra_sound_ = extra_;
@@ -299,7 +299,7 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
       brake(arm);
       break;
     case SafetyAction::kRelease:
-      // Without the torque beyond the model, which may cause the force.
+      // The part of the torque that is not from the model is left out, because it may cause the force.
       y_ = -limits_.braking * arm.dq();
       out_ = arm.bias();
       out_.noalias() += arm.mass_matrix().lazyProduct(y_);
@@ -328,7 +328,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
                                          const VectorXd& tau) noexcept {
   assert(arm.joints() == out_.size() && tau.size() == out_.size());
   if (state_ != SafetyState::kDisabled) {
-    // Repeated positions have aged by the cycle; those of a constant latency are new ones.
+    // The age of repeated positions has grown by one cycle; positions with a constant latency are new.
     const double newer = input.dt + age_ - input.sensor_age;
     if (std::isfinite(newer)) {
       since_sound_ += newer;
@@ -348,8 +348,8 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
       stopped_ = watched_ = false;
       saturated_.setZero();
     }
-    // Only new measurements are stored; and kFreeze lasts until reset, because velocities are wrong
-    // for a while after a jump.
+    // Only new measurements are stored. kFreeze lasts until reset, because velocities are wrong for some time
+    // after a jump.
     const bool fresh = since_sound_ > kNewer * input.dt || !seen_;
     if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) store_valid_state(arm, input);
     if (worse) keep_holding_torque();

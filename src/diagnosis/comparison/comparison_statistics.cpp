@@ -10,9 +10,9 @@
 namespace veridyn {
 namespace {
 
-// Degrees of freedom of a sum of squares that a few clusters may dominate. For normal contributions
-// of variances v_c Satterthwaite has (sum v)^2 / sum v^2; with d_c^4 for 3 v_c^2, corrected for
-// what equal clusters would give by chance.
+// Degrees of freedom of a sum of squares that a few clusters may dominate: Satterthwaite's (sum v)^2 / sum
+// v^2 for normal contributions of variances v_c, with d_c^4 in place of 3 v_c^2, corrected for the value that
+// equal clusters give by chance.
 double degrees_of_freedom(const VectorXd& scatter, int clusters) {
   const double most = std::max(1, clusters - 1);
   if (scatter.size() != clusters) return most;  // no longer one column per cluster

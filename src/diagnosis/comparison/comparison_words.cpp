@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 std::string change_verb(const ModelDifference& d) {
-  // "Grew" would be ambiguous for negative values.
+  // "Grew" and "fell" are ambiguous where a value is negative.
   if (!(d.before > 0.0 && d.after > 0.0)) return "went";
   return d.after > d.before ? "grew" : "fell";
 }
@@ -21,7 +21,7 @@ std::string signed_text(double value, double resolution) {
   return (value > 0.0 ? "+" : "") + number_text(value, resolution);
 }
 
-// "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
+// for example "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
 std::string sizes_text(const ModelDifference& d) {
   const double resolution = std::isfinite(d.deviation) ? d.deviation : comparing::kDigits * std::abs(d.before);
   std::string out = fmt::format("from {} to {} {}", number_text(d.before, resolution),
@@ -68,8 +68,8 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   return fmt::format("{}{} of {} {} {}.", name, which, where, change_verb(d), sizes_text(d));
 }
 
-// "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
-// those with the same unit and at least half of its change.
+// For example "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint
+// first, then the joints with the same unit and at least half of its change.
 std::string joints_text(const Model& arm, const VectorXd& torque, JointIndex main) {
   const auto unit = [&arm](JointIndex joint) {
     return effort_unit(arm.coordinates()[joint.value]);
@@ -109,7 +109,7 @@ std::string inertial_sentence(const Model& arm, const StandardTorque& torque,
 std::string number_text(double value, double deviation) {
   const double least = deviation > 0.0 && std::isfinite(deviation) ? deviation : std::abs(value);
   if (!(least > 0.0) || !std::isfinite(value)) return fmt::format("{:.3g}", value);
-  // Two digits of the deviation.
+  // Decimals that show two digits of the deviation.
   const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(least))));
   if (decimals > comparing::kMostDecimals) return fmt::format("{:.3g}", value);
   return fmt::format("{:.{}f}", value, decimals);

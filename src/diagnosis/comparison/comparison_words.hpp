@@ -10,8 +10,7 @@ namespace veridyn {
 /// A number with the digits that are significant given its deviation.
 std::string number_text(double value, double deviation);
 
-/// Interprets a difference: friction that grew, a first moment with its weight torque, the inertia
-/// of a joint.
+/// A difference in words: friction that grew, a first moment as a torque of weight, a joint's inertia.
 ///
 /// @param standard  index of the standard parameter that leads the combination.
 std::string parameter_sentence(const Model& arm, const StandardTorque& torque, int standard,

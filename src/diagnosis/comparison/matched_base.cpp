@@ -15,7 +15,7 @@
 namespace veridyn {
 namespace {
 
-// x with A x = b of least norm, for many b.
+// Solves A x = b with the least norm of x, for many b.
 using LeastNorm = Eigen::CompleteOrthogonalDecomposition<MatrixXd>;
 
 VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& parameters) {
@@ -44,7 +44,7 @@ std::string expression_of(const VectorXd& row, Eigen::Index leading,
   return out;
 }
 
-// Reads the section of the file; false (with a note) if it is inconsistent with the file's values.
+// Reads the identified base from the model file. False, with a note, if it contradicts the file's values.
 bool read_identified_base(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
                      const VectorXd& values, BaseNumbers& out) {
   std::unordered_map<std::string, Eigen::Index> index;
@@ -81,8 +81,8 @@ bool read_identified_base(const IdentifiedBase& file, const std::vector<Standard
   return true;
 }
 
-// Brings the combinations into the form of identify, with a one at each leading parameter and zeros
-// at those of the others: x with K x = beta is then beta at the leading ones.
+// Brings the combinations K into the form that identify() writes: a one at a row's leading parameter and
+// zeros at the other leading ones, so that x with K x = beta equals beta at the leading parameters.
 void make_canonical(BaseNumbers& numbers) {
   const auto count = numbers.K.rows();
   MatrixXd leading(count, count);
@@ -154,7 +154,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   };
   const std::vector<Eigen::Index> at_a = columns_of(names.before, scale_before);
   const std::vector<Eigen::Index> at_b = columns_of(names.after, scale_after);
-  // Columns of combinations, scaled alike, over the parameters of both.
+  // Columns of the combinations over the parameters of both models, with one scaling.
   const auto scaled = [&](const MatrixXd& K, const std::vector<Eigen::Index>& at) {
     MatrixXd out = MatrixXd::Zero(scale.size(), K.rows());
     for (std::size_t j = 0; j < at.size(); ++j)

@@ -8,9 +8,8 @@
 
 namespace veridyn {
 
-/// A model's base parameters in numbers, from its file or, without (valid) statistics, from its
-/// values. K has a one in the column of a row's own leading parameter and zeros in those of the
-/// others.
+/// Base parameters of a model: from the statistics in its file or, if it has no valid ones, from its values.
+/// Each row of K has a one in the column of its leading parameter and zeros in the columns of the others'.
 struct BaseNumbers {
   std::vector<std::string> names;        ///< (base) of the leading standard parameters
   std::vector<std::string> expressions;  ///< (base)
@@ -21,7 +20,7 @@ struct BaseNumbers {
   MatrixXd scatter;                      ///< (base x any), covariance = scatter * scatter'
   MatrixXd motion;                       ///< (clusters x n) as in IdentifiedBase, or empty
   int clusters = 0;                      ///< 0: no statistics, scatter is (base x 0)
-  std::string note;                      ///< reason for which statistics of the file are not used
+  std::string note;                      ///< reason if the statistics of the file are not used
 };
 
 /// @throws InvalidInput  a body or an effect has no values.
@@ -32,14 +31,14 @@ bool same_motion(const BaseNumbers& a, const BaseNumbers& b);
 
 /// One base parameter of `before` that both models determine.
 struct MatchedParameter {
-  int row = 0;  ///< Row of before's base parameters
+  int row = 0;  ///< row in the base parameters of `before`
   double before = 0.0, after = 0.0;
   VectorXd scatter_before, scatter_after;
 };
 
 struct MatchedBase {
   std::vector<MatchedParameter> parameters;
-  std::vector<std::string> only_before, only_after;  ///< expressions without a counterpart
+  std::vector<std::string> only_before, only_after;  ///< expressions that have no counterpart in the other model
 };
 
 /// Every base parameter k of `before` that is a linear combination of those of `after`: k = w' K.

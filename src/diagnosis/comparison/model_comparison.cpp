@@ -22,7 +22,7 @@ struct Side {
   BaseNumbers numbers;
   StandardTorque torque;
 
-  // The model's own values, restricted to one kind.
+  // Parameters of the model that `keep` selects, the others zero.
   template <typename Keep>
   VectorXd values(Keep keep) const {
     VectorXd out(torque.parameters().size());
@@ -33,8 +33,8 @@ struct Side {
     return out;
   }
 
-  // Standard parameters with these base parameters: the leading ones are set to them, because their
-  // columns equal those of the base parameters.
+  // Standard parameters that correspond to these base parameters: each leading parameter has the value of its
+  // base parameter, since their columns are equal; all others are zero.
   VectorXd standard_parameters_of(const VectorRef& base) const {
     VectorXd out = VectorXd::Zero(torque.parameters().size());
     for (size_t r = 0; r < numbers.leading.size(); ++r)
@@ -52,7 +52,7 @@ struct Side {
     return out;
   }
 
-  // Torque over the standard motion due to one column of the scatter.
+  // Torque over the standard motion for one column of the scatter.
   MatrixXd chance(Eigen::Index column) const {
     return torque.torque(standard_parameters_of(numbers.scatter.col(column)));
   }

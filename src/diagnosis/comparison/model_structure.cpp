@@ -37,7 +37,7 @@ bool same_place(const Frame& a, const Frame& b) {
          a.variable.coefficients.isApprox(b.variable.coefficients, comparing::kSame);
 }
 
-// Identifies an effect's terms, without their shape constants.
+// Text that identifies the terms of one effect at one place, independent of their shape constants.
 std::string place_of(const Model& arm, const EffectTerm& term) {
   std::string out = term.effect + "(" + axis_text(arm, term.axis);
   if (term.from) out += " from " + axis_text(arm, *term.from);
@@ -65,7 +65,8 @@ std::map<std::string, std::vector<int>> terms_by_place(const Model& arm) {
   return out;
 }
 
-// True if the shapes differ by less than half of them: the parameters keep their meaning.
+// True if corresponding shape constants differ by less than half, so that the parameters have the same
+// meaning.
 bool comparable(const Model& before, int term_before, const Model& after, int term_after) {
   const std::vector<double> a =
       shape_of(before, before.effects()[term_before]);
@@ -77,8 +78,9 @@ bool comparable(const Model& before, int term_before, const Model& after, int te
   return true;
 }
 
-// Pairs of frames that both models have. The others are fixed to one of them (require_one_arm()),
-// such as a diagnosed load; a body that one model lacks has parameters of zero there.
+// Pairs of frames that both models have. Any other frame is fixed to one of them, which require_one_arm()
+// ensures, such as that of a diagnosed load; a body that one model does not have counts there with parameters
+// of zero.
 std::vector<std::pair<const Frame*, const Frame*>> common_frames(const Model& before, const Model& after) {
   std::vector<std::pair<const Frame*, const Frame*>> out;
   for (const Frame& frame : before.frames()) {
@@ -231,13 +233,13 @@ void require_one_arm(const Model& before, const Model& after) {
 
 namespace {
 
-// A body's parameters in a frame in which its own frame has the pose A B.
+// Parameters of the frame's body, written in the frame relative to which its pose is A B.
 InertialParameters moved(const InertialParameters& phi, const Frame& frame) {
   const Eigen::Matrix4d H = eigen(frame.A * frame.B).matrix();
   return inertial_parameters(Eigen::Matrix4d(H * pseudo_inertia(phi) * H.transpose()));
 }
 
-// As many columns as there are rows, each the farthest from the span of those before it.
+// As many columns as K has rows; each is the one farthest from the span of those before it.
 std::vector<Eigen::Index> independent_columns(MatrixXd K) {
   std::vector<Eigen::Index> out;
   while (static_cast<Eigen::Index>(out.size()) < K.rows()) {
@@ -252,8 +254,8 @@ std::vector<Eigen::Index> independent_columns(MatrixXd K) {
   return out;
 }
 
-// Drops parameters that the arm has no longer from the combinations. They act as those of the body
-// that carries theirs do, so that the combination of the rest has the same value.
+// Removes from the combinations the parameters that the arm no longer has. The body that carries the removed
+// one takes up their values, so that each combination of the remaining parameters keeps its value.
 void drop_parameters(const std::set<std::string>& gone, const std::vector<StandardParameter>& kept, IdentifiedBase& base) {
   bool leads = false;
   for (IdentifiedParameter& p : base.parameters) {
@@ -261,7 +263,7 @@ void drop_parameters(const std::set<std::string>& gone, const std::vector<Standa
     leads = leads || gone.count(p.name) != 0;
   }
   if (!leads) return;
-  // Other parameters lead: as many independent columns as there are combinations.
+  // Chooses new leading parameters: as many independent columns as there are combinations.
   MatrixXd K = MatrixXd::Zero(base.parameters.size(), static_cast<Eigen::Index>(kept.size()));
   for (Eigen::Index r = 0; r < K.rows(); ++r) {
     const auto& combination = base.parameters[r].combination;
@@ -287,14 +289,15 @@ Model without_frames_of_its_own(const Model& arm, const Model& other) {
     const Frame& frame = arm.frames()[arm.bodies()[*p.body]];
     if (other.find_frame(frame.name) < 0) gone.insert(p.name);
   }
-  // Frames that are fixed to one of them come after it, and belong to this arm only, too.
+  // Frames that are fixed to a removed frame come after it and are removed as well.
   for (std::size_t k = d.frames.size(); k-- > 0;) {
     const Frame frame = d.frames[k];
     if (other.find_frame(frame.name) >= 0) continue;
     if (frame.body) {
       require(frame.body->phi.has_value(), "compare: found a body without values, ", frame.name, " of '", arm.name(),
               "', expected a model that identify or diagnose wrote.");
-      // Frames without a body that are fixed to one, such as a flange, pass it on.
+      // A frame without a body that is fixed to the removed one, such as a flange, passes the body on to its
+      // own parent.
       InertialParameters phi = moved(*frame.body->phi, frame);
       std::optional<FrameIndex> carrier = frame.parent;
       while (carrier && !d.frames[carrier->value].body && d.frames[carrier->value].type == JointType::kFixed) {

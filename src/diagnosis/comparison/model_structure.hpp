@@ -8,22 +8,22 @@
 
 namespace veridyn {
 
-/// @throws InvalidInput  coordinates, frames or bodies differ, so that these are two robots.
+/// @throws InvalidInput  coordinates, frames or bodies differ: the models describe two different robots.
 void require_one_arm(const Model& before, const Model& after);
 
-/// The arm without frames that the other model lacks, which are fixed to others, such as a
-/// diagnosed load: their bodies become part of those that carry them, which changes no torque.
-/// Statistics of an identification keep their values.
-/// @throws InvalidInput  such a body has no values, or hangs on a frame without a body.
+/// The arm without the frames that the other model does not have; these are fixed to others, as that of a
+/// diagnosed load is. Their bodies are added to the bodies that carry them, which changes no torque and keeps
+/// the statistics of an identification.
+/// @throws InvalidInput  such a body has no values, or is fixed to a frame without a body.
 Model without_frames_of_its_own(const Model& arm, const Model& other);
 
-/// Effects, shapes, constants, gravity, drive gains and facts that differ.
+/// Differences of effects, shapes, constants, gravity, drive gains and known values.
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after);
 
-/// Names of all standard parameters of both models, equal where parameters correspond. They do not
-/// depend on the values of shape constants: an effect that occurs twice on one axis is numbered in
-/// the order of its constants. Bodies do not correspond where frames differ, effects where a
-/// constant differs by more than half.
+/// Names of all standard parameters of both models, with equal names where parameters correspond. Names do
+/// not contain the values of shape constants: effects of one kind on one axis are numbered by the order of
+/// their constants. Bodies with different frames do not correspond, nor do effects with a constant that
+/// differs by more than half.
 struct MatchingNames {
   std::vector<std::string> before, after;
 };

@@ -23,7 +23,7 @@ Segment segment_of(const MotionSamples& motion) {
   return s;
 }
 
-// Facts get columns as well.
+// The arm with all parameters free, so that known ones have columns as well.
 Model without_facts(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {
@@ -94,7 +94,7 @@ VectorXd StandardTorque::column_sizes() const {
   return out;
 }
 
-// The columns of bodies (or of effects) times a row of weights.
+// Columns of the bodies, or of the effects, times a row of weights.
 VectorXd StandardTorque::projected(const JointRows& rows, const VectorXd& on, bool bodies) const {
   VectorXd out = VectorXd::Zero(parameters_.size());
   for (size_t c = 0; c < rows.parameters.size(); ++c) {

@@ -7,14 +7,14 @@
 
 namespace veridyn {
 
-/// A quantity of a joint's torque that is linear in the parameters.
+/// A property of a joint's torque that is linear in the parameters.
 enum class JointQuantity {
-  /// Half the difference of the effects' mean torques forward and backward over
+  /// Half the difference between the effects' mean torques in forward and in backward motion over
   /// standard_motion() [N m].
   kFriction,
-  kOffset,       ///< half the sum of the two [N m]
-  kWeight,       ///< mean torque that holds the resting bodies in its poses [N m]
-  kWeightSlope,  ///< amplitude with which that torque follows the joint's own sine [N m]
+  kOffset,       ///< half the sum of these two torques [N m]
+  kWeight,       ///< mean torque that holds the bodies at rest in the poses of standard_motion() [N m]
+  kWeightSlope,  ///< amplitude of that torque at the frequency of the joint's own motion [N m]
   kInertia,      ///< mean of M_ii, rotor inertia included [kg m^2]
 };
 
@@ -22,7 +22,7 @@ constexpr JointQuantity kJointQuantities[] = {JointQuantity::kFriction, JointQua
                                               JointQuantity::kWeight, JointQuantity::kWeightSlope,
                                               JointQuantity::kInertia};
 
-/// Torques over standard_motion() as a function of every standard parameter of an arm (facts as
+/// Torques over standard_motion() as a function of all standard parameters of an arm, known ones included.
 /// well).
 class StandardTorque {
  public:
@@ -30,21 +30,21 @@ class StandardTorque {
 
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
 
-  /// (rows x n) [N m] or [N].
+  /// Torques (rows x n) [N m] or [N].
   /// @param values  (standard).
   MatrixXd torque(const VectorRef& values) const;
 
-  /// (n) rms torque per unit of one parameter.
+  /// Rms torque of each joint (n) per unit of one parameter.
   VectorXd rms_of(int parameter) const;
 
-  /// (n) largest torque per unit of one parameter at rest in the same positions.
+  /// Largest torque of each joint (n) per unit of one parameter, at rest in the poses of standard_motion().
   VectorXd weight_of(int parameter) const;
 
-  /// (standard) rms over all joints: the size of every parameter's column.
+  /// Rms torque over all joints (standard) per unit of every parameter.
   VectorXd column_sizes() const;
 
-  /// (standard) the quantity of a joint per unit of every parameter, over whole periods of the
-  /// joint's motion; contributions far below a parameter's own torque are rounding and set to zero.
+  /// The quantity of a joint (standard) per unit of every parameter, over whole periods of the joint's
+  /// motion. Values far below a parameter's own torque are rounding errors and set to zero.
   VectorXd quantity(JointQuantity which, int joint) const;
 
  private:
@@ -53,10 +53,10 @@ class StandardTorque {
   MotionSamples motion_;
   std::vector<StandardParameter> parameters_;
   std::vector<JointRows> moving_, resting_;
-  std::vector<JointRows> speeding_up_;  ///< joint i alone has an acceleration of one, from rest
+  std::vector<JointRows> speeding_up_;  ///< joint i alone accelerates by one unit, from rest
 };
 
-/// (n) root mean square of every column.
+/// Root mean square of every column (n).
 VectorXd rms(const MatrixRef& columns);
 
 }  // namespace veridyn

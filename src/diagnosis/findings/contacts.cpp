@@ -53,7 +53,7 @@ Finding finding_of(const Contact& c, const Identification& seen) {
     f.parameters.push_back({"effort_" + inner.name, effort_unit(inner), c.effort[i], c.effort[i], c.effort[i]});
   }
   f.p_value = student_t_two_sided(c.peak, numerics::kContactFreedom);
-  // A push is no error of the model: gives the held-out error with and without these intervals.
+  // A push is no error of the model: these are the held-out errors with and without its intervals.
   f.test_before = seen.test_error.relative;
   f.test_after = seen.test_error.relative;
   f.test_outside = seen.test_without_excluded.relative.size() > 0 ? seen.test_without_excluded.relative : seen.test_error.relative;
@@ -68,7 +68,7 @@ Finding finding_of(const Contact& c, const Identification& seen) {
 
 std::vector<Finding> findings_of(const std::vector<Contact>& contacts, const Identification& seen) {
   std::vector<Finding> out;
-  std::map<int, std::pair<size_t, int>> of_joint;  // finding and number of pushes
+  std::map<int, std::pair<size_t, int>> of_joint;  // index of the finding, and number of pushes
   for (const Contact& c : contacts) {
     Finding f = finding_of(c, seen);
     const auto [at, is_first] = of_joint.emplace(c.last_joint, std::make_pair(out.size(), 1));

@@ -39,7 +39,7 @@ std::string sentence(const Model& arm, const Finding& f) {
 
 namespace {
 
-// The words of a single effect, from its values in the model.
+// Writes the phrase of a finding with a single effect anew, from the effect's values in the model.
 void renew_phrase(const Model& arm, const std::vector<std::string>& names, Finding& f) {
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect)) continue;
@@ -65,7 +65,7 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
     const double deviation = id.parameter_deviations[at];
     if (!std::isfinite(deviation)) continue;
     FoundParameter& parameter = f.parameters[p];
-    // The interval of the first fit, shifted: it includes differences between recordings.
+    // Keeps the width of the first fit's interval, which includes differences between recordings.
     const double half = std::max(t * deviation, 0.5 * (parameter.high - parameter.low));
     parameter.value = id.parameters[at];
     parameter.low = parameter.value - half;
@@ -75,12 +75,13 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
 }
 
 bool error_falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint) {
-  // The error of a joint without torque is an infinite share of it, before and after, and counts for nothing.
+  // A joint without torque has an infinite relative error before and after, and is left out of the sum.
   const auto sum = [](const VectorXd& errors) { return errors.array().max(numerics::kTiny).min(numerics::kHuge).log().sum(); };
   return sum(before) > sum(after) && (!joint || after[joint->value] <= before[joint->value]);
 }
 
-// The joint whose torque alone depends on the cause: a wrong zero of one encoder shows on all joints.
+// The joint on whose torque alone the error is judged; none for a wrong zero of an encoder, which affects all
+// joints.
 static std::optional<JointIndex> only_joint(const Finding& f) {
   if (std::holds_alternative<KinematicError>(f.cause)) return std::nullopt;
   if (!f.joint || !std::holds_alternative<ChannelError>(f.cause)) return f.joint;
@@ -115,7 +116,7 @@ FindingStatus status_of(const Finding& f) {
 }
 
 Agreement Finding::held_out() const {
-  // A push is no property of the arm, so other recordings cannot confirm it.
+  // A push is no property of the arm: other recordings cannot confirm it.
   if (test_before.size() == 0 || test_after.size() != test_before.size() || std::holds_alternative<ExternalContact>(cause))
     return Agreement::kNotMeasured;
   return error_falls(test_before, test_after, only_joint(*this)) ? Agreement::kAgrees : Agreement::kContradicts;

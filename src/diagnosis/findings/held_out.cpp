@@ -6,8 +6,8 @@
 namespace veridyn {
 namespace {
 
-// Sum over joints of the squared error above the noise floor: the part that a better model could remove. A joint without
-// torque has no relative error.
+// Sum over joints of the squared error above the noise floor, which a better model could remove. A joint
+// without torque has no relative error and is left out.
 double removable(const VectorXd& error, const VectorXd& floor) {
   const VectorXd below =
       floor.size() == error.size() ? VectorXd(floor.cwiseAbs2()) : VectorXd::Zero(error.size());

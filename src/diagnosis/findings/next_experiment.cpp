@@ -8,8 +8,7 @@ namespace {
 
 constexpr int kSlowPasses = 2;
 
-// True for effects that `excite` can separate from others by joint motion, see
-// ExcitationOptions::between.
+// True for effects that a motion designed by `excite` can distinguish, see ExcitationOptions::between.
 bool is_designable(const std::string& effect) {
   if (effect == AddedLoad::kName) return true;
   if (!has_effect(effect)) return false;
@@ -18,7 +17,7 @@ bool is_designable(const std::string& effect) {
   return !find_effect(effect).traits().uses_source;
 }
 
-// Shows itself at low speed and after reversals.
+// True for effects that act at low speed and after reversals.
 bool is_slow(const std::string& effect) {
   return has_effect(effect) && find_effect(effect).traits().slow;
 }
@@ -44,7 +43,7 @@ NextExperiment next_experiment(const Diagnosis& d) {
     bool slow = false;
     for (const std::string& s : f.shape->signals) {
       signals += (signals.empty() ? "" : " and ") + s;
-      // Positions and displacements since a reversal.
+      // Signals that begin with q are positions, those with h displacements since a reversal.
       slow = slow || s.front() == 'q' || s.front() == 'h';
     }
     out.shows = "what joint " + std::to_string(f.joint->value + 1) + " depends on over " + signals;

@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// The first finding whose cause has a rival that these recordings cannot separate; if there is none,
-/// nothing.
+/// The experiment that separates the first finding from a rival that these recordings cannot exclude; empty
+/// if no finding has such a rival.
 NextExperiment next_experiment(const Diagnosis& diagnosis);
 
 }  // namespace veridyn

@@ -10,8 +10,8 @@
 namespace veridyn {
 namespace {
 
-// True for a wrong gain of a joint whose error without a name depends on the same torque: the recorded torque
-// is no constant multiple of the true one, as behind a limit or a dead zone.
+// True for a wrong torque gain on a joint that also has an unnamed dependence on the same torque: the
+// recorded torque is no constant multiple of the true one, as behind a limit or a dead zone.
 bool is_no_factor(const Diagnosis& d, const Finding& gain) {
   if (!std::holds_alternative<ChannelError>(gain.cause) || !gain.joint) return false;
   const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(effect_of(gain.cause)));
@@ -23,9 +23,10 @@ bool is_no_factor(const Diagnosis& d, const Finding& gain) {
   });
 }
 
-// The fewest findings that together explain most of the total; always the first one that training
-// confirms and held-out recordings do not contradict, and findings that do not concern the model's
-// torque. Against an identified model also each change that explains more than 1 - share of its own joint's error, and a load that the
+// The fewest findings that together explain most of the total. Always included are the first one that
+// training confirms and held-out recordings do not contradict, and findings that do not concern the model's
+// torque. Against an identified model they also include each change that explains more than 1 - share of its
+// joint's error, and a load that held-out recordings contradict, because not all of them need to carry it.
 // held-out recordings contradict: it need not be the same in all of them.
 std::vector<char> main_findings(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
@@ -82,8 +83,8 @@ void summarize(Diagnosis& d, const DiagnosisOptions& options) {
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (before.size() == 0 || after.size() != before.size()) return;
-  // Unnamed curves are in no model: their residual is in their findings, and their prediction of the
-  // difference between repeats is no noise.
+  // A curve without a name is part of no model: its residual is in its own finding, and what it predicts of
+  // the difference between repeats is no noise.
   VectorXd left = after, floor = d.baseline.noise_floor;
   for (const Finding& f : d.findings) {
     if (!f.shape || !f.joint || f.test_after.size() != left.size()) continue;

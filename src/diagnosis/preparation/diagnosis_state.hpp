@@ -8,12 +8,12 @@
 
 namespace veridyn {
 
-/// Normalises an entry of DiagnosisOptions::effects: a cause with the names of its joint or frame,
-/// or the name of an effect. @throws InvalidInput  there is no such cause, or only a simulation
-/// supports it.
+/// Normalises an entry of DiagnosisOptions::effects: a cause with the names of its joint or frame, or the
+/// name of an effect.
+/// @throws InvalidInput  the cause does not exist, or can only be simulated.
 std::string normalized_cause(const Model& arm, const std::string& words);
 
-/// True if `wanted` (see normalized_cause()) contains the cause or its effect; empty: all.
+/// True if `wanted` (see normalized_cause()) is empty or contains the cause or its effect.
 bool is_among(const std::vector<std::string>& wanted, const Model& arm, const Cause& cause);
 
 /// State of a diagnosis, passed from step to step; diagnosis.cpp defines their order.
@@ -23,13 +23,13 @@ struct DiagnosisState {
   DiagnosisOptions options;
   Diagnosis d;
 
-  /// The arm that the search begins with, fitted to the rows that are left.
+  /// The arm with which the search begins, fitted to the rows that remain.
   Identification start = {};
 
   /// Remarks on the recordings.
   std::vector<std::string> remarks = {};
 
-  /// Joints whose rows at the limit of their torque are left out.
+  /// Joints with rows at the torque limit; these rows are excluded.
   std::set<int> saturated = {};
 
   /// Joints without torque in all training recordings: no cause on them is tested.
@@ -55,25 +55,25 @@ bool fit_baseline(DiagnosisState& x);
 /// collinear, and fits the arm again if anything was excluded.
 void exclude_rests(DiagnosisState& x);
 
-/// False where an error cannot be ascribed to a joint, and every joint's verdict says so: the arm is learned from joints that
-/// move as one, or the torques do not follow from its motion at all.
-bool tells_causes(DiagnosisState& x);
+/// False, with a reason in every joint's verdict, if errors cannot be attributed to joints: the training
+/// motions are collinear, or the torques do not follow from the arm's motion at all.
+bool can_attribute_errors(DiagnosisState& x);
 
-/// Leaves out parts of recordings from now on.
+/// Excludes parts of recordings from all later steps.
 void leave_out(const std::vector<ExcludedInterval>& parts, DiagnosisState& x);
 
-/// Leaves out the rows of joints without torque, and fits the arm again from the others. False if these do not determine
-/// it: this is then in every joint's verdict.
+/// Excludes the rows of joints without torque and fits the arm again. False, with a reason in every joint's
+/// verdict, if the remaining rows do not determine the arm.
 bool exclude_silent_joints(DiagnosisState& x);
 
-/// Ends a diagnosis without tests: every joint is cannot_tell, for this reason.
+/// Ends the diagnosis without any test: every joint is cannot_tell, for this reason.
 void end_without_verdicts(DiagnosisState& x, const std::string& why);
 
-/// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
+/// Reports joints with significantly negative friction, which suggests a torque of the wrong sign.
 void check_torque_signs(DiagnosisState& x);
 
-/// Reports parameters that noise in the motion biases: the instrumental-variable estimate from
-/// repeats of the motion differs from least squares.
+/// Reports parameters that are biased by noise in the motion: the instrumental-variable estimate from repeats
+/// of the motion differs from that of least squares.
 void check_errors_in_variables(DiagnosisState& x);
 
 }  // namespace veridyn

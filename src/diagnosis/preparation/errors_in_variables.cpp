@@ -8,8 +8,8 @@
 #include "identification/base_solution.hpp"
 #include "identification/instrumental.hpp"
 
-// Noise in positions, velocities and accelerations biases least squares. Where a motion repeats, the
-// columns of another repeat are instruments: the same motion, other noise.
+// Noise in positions, velocities and accelerations biases least squares. Where a motion repeats, the columns
+// of another repeat serve as instruments: they have the same motion and other noise.
 
 namespace veridyn {
 

@@ -10,7 +10,7 @@
 #include "recordings/kept_recordings.hpp"
 #include "recordings/velocity_trust.hpp"
 
-// Exclusion of faulty data of the recordings, and the first fit to the rest.
+// Excludes faulty data from the recordings, and fits the arm to the rest.
 
 namespace veridyn {
 namespace {
@@ -46,9 +46,9 @@ std::vector<RecordingQuality> of_training(const DiagnosisState& x) {
   return out;
 }
 
-// The sign of a noisy velocity flutters at low speed, and dry friction made of it looks like
-// something else. A velocity that is noisier than its position's derivative is taken from the
-// position where the joint's torque is predicted better by as much as a cause must gain.
+// Where a noisy velocity changes its sign at random at low speed, dry friction computed from it resembles
+// other effects. A velocity that is noisier than the derivative of its position is replaced by that
+// derivative where this predicts the joint's torque better, by the margin that a cause needs.
 void choose_quieter_velocities(DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   if (how.velocity == VelocitySource::kDerived) return;
@@ -71,7 +71,7 @@ void choose_quieter_velocities(DiagnosisState& x) {
   for (const int j : choice.better) remark_derived_velocity(j, x);
 }
 
-// Stores the periods of the recordings, which are read many times.
+// Stores the periods of the recordings, which later steps need many times.
 void store_periods(DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
   std::map<std::string, double>& known = how.preprocessing.known_periods;
@@ -106,8 +106,9 @@ void merge_overlaps(std::vector<ExcludedInterval>& parts) {
   parts = std::move(out);
 }
 
-// A torque at the limit of its channel only says that the true one is beyond (a censored observation): such rows
-// would bias the parameters. They are excluded with the rows to which the low-pass spreads them, half a wave at its cut-off.
+// A torque at the limit of its channel only bounds the true one (a censored observation), and would bias the
+// parameters. Such rows are excluded, and so are the rows to which the low-pass spreads them, half a wave at
+// its cut-off on either side.
 void exclude_saturated(DiagnosisState& x) {
   const double cutoff = x.options.identification.preprocessing.cutoff;
   const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;
@@ -139,7 +140,7 @@ void check_quality(DiagnosisState& x) {
   for (const std::string& path : x.test) {
     if (std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
   }
-  x.options.identification.choose_velocities = false;  // choose_quieter_velocities() does, once
+  x.options.identification.choose_velocities = false;  // choose_quieter_velocities() does it once
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   x.d.data_quality.resize(all.size());
   parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {
@@ -156,7 +157,7 @@ void check_quality(DiagnosisState& x) {
 
 namespace {
 
-// False where there is no fit yet, or check_quality() has changed the rows since.
+// False if there is no fit yet, or if check_quality() has changed the rows since.
 bool fits_current_rows(const Identification& fit, const DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   return fit.model && fit.preprocessing.derive_velocity_of == how.derive_velocity_of &&
@@ -170,7 +171,7 @@ bool fit_baseline(DiagnosisState& x) {
   const JointFriction friction = x.options.identification.friction;
   if (!fits_current_rows(x.d.baseline, x)) x.d.baseline = x.fit(x.arm);
   if (!x.d.baseline.model) return false;
-  // From now on the arm is the identified one, with added effects.
+  // From here on the arm is the identified one, with added effects.
   const size_t given = file.effects().size();
   if (x.d.baseline.model->effects().size() > given) {
     x.arm = with_friction(file, friction);

@@ -4,7 +4,7 @@
 #include "diagnosis/preparation/diagnosis_state.hpp"
 #include "math/correlated_columns.hpp"
 
-// Reports limits of the recordings that follow from the motion, before any test.
+// Reports joints whose effects the recorded motion cannot separate, before any cause is tested.
 
 namespace veridyn {
 namespace {
@@ -32,7 +32,7 @@ void rests_of(const RecordingError& r, const std::vector<double>& speeds, const 
   const PredictionSeries& x = r.series;
   size_t first = 0;
   while (first < x.time.size() && !moves_at(x, first, speeds, limits.moving_share)) ++first;
-  if (first == x.time.size()) return;  // it never moves: a recording of poses
+  if (first == x.time.size()) return;  // the arm never moves: a recording of poses
   size_t last = x.time.size() - 1;
   while (!moves_at(x, last, speeds, limits.moving_share)) --last;
   if (x.time[first] - x.time.front() > limits.shortest_rest)
@@ -71,7 +71,7 @@ void exclude_rests(DiagnosisState& x) {
   const size_t parts = x.d.excluded_intervals.size();
   leave_out(rests, x);
   const Identification without = x.fit(x.arm);
-  if (!without.model) {  // too little is left
+  if (!without.model) {  // too few rows remain
     x.options.identification = before;
     x.d.excluded_intervals.resize(parts);
     return;

@@ -5,7 +5,8 @@
 #include "identification/silent_joints.hpp"
 #include "math/correlated_columns.hpp"
 
-// Joints without recorded torque are left out: their zeros would bias the parameters that they share with other joints.
+// Joints without recorded torque are excluded, because their zeros would bias the parameters that they share
+// with other joints.
 
 namespace veridyn {
 
@@ -29,7 +30,7 @@ bool exclude_silent_joints(DiagnosisState& x) {
   return false;
 }
 
-bool tells_causes(DiagnosisState& x) {
+bool can_attribute_errors(DiagnosisState& x) {
   std::string why;
   for (const std::vector<int>& group : x.d.moving_as_one) {
     if (!x.d.changes) why += (why.empty() ? "joints " : ", and joints ") + numbers_from_one(group) + " move as one";

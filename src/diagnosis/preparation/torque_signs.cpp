@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-// Dissipated power of one joint's friction terms, with its deviation: its sign is tested.
+// Power that one joint's friction terms dissipate, with its deviation, to test its sign.
 struct Power {
   double sum = 0.0;       // sum of value * size of the column: torque of friction
   double variance = 0.0;

@@ -57,7 +57,7 @@ double PositionCurves::predicted_share(int joint) const {
     double error2 = 0.0;
     bool better = true;
     for (size_t f = 0; f + 1 < fold_begin_.size(); ++f) {
-      // Residual of this fold in the fit to the others.
+      // Residual of this fold under the fit to the other folds.
       const Eigen::Index at = fold_begin_[f], size = fold_begin_[f + 1] - at;
       const auto own = vectors_.middleRows(at, size);
       const MatrixXd rest = MatrixXd::Identity(size, size) - own * shrink.asDiagonal() * own.transpose();

@@ -17,7 +17,8 @@ class PositionCurves {
  public:
   PositionCurves(const Identification& at_rest, const Thresholds& limits);
 
-  /// Share of the mean square that they predict on poses that are held out, where they do so on every part; else 0.
+  /// Share of the mean square that the curves predict on held-out poses; 0 unless they predict some of it in
+  /// every fold.
   double predicted_share(int joint) const;
 
  private:
@@ -27,9 +28,9 @@ class PositionCurves {
   };
 
   std::vector<Pose> poses_;                // in the order of their folds
-  std::vector<Eigen::Index> fold_begin_;   // and the number of poses
+  std::vector<Eigen::Index> fold_begin_;   // first pose of every fold, then the number of poses
   MatrixXd vectors_;
-  VectorXd values_;                        // of the kernel's matrix, whose diagonal is one
+  VectorXd values_;                        // values of the kernel's matrix, which has a diagonal of one
 };
 
 }  // namespace veridyn

@@ -22,7 +22,8 @@
 namespace veridyn {
 namespace {
 
-// Effects that exert a force at rest. Waves along the travel are left out: their grid needs a spectrum, which poses do not give.
+// Effects with a force at rest. Waves along the travel are excluded: their wave numbers come from a spectrum,
+// which poses do not give.
 std::vector<std::string> forces_of_position() {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
@@ -42,7 +43,7 @@ struct RestQuestion {
   EffectTerm term;
 };
 
-// An arm fitted to the training poses, and its errors on parts of them that the others predict.
+// An arm fitted to the training poses, with its errors on parts of them that are predicted from the others.
 struct RestFit {
   Identification id;
   FoldErrors folds;
@@ -85,7 +86,7 @@ class RestDiagnosis {
     }
     d_.extended = now.id;
     for (size_t k = 0; k < terms.size(); ++k) refresh(now.id, names_of(terms[k]), d_.findings[k]);
-    if (d_.extended.remarks.size() > 1) d_.remarks.back() = d_.extended.remarks.back();  // the band that is left
+    if (d_.extended.remarks.size() > 1) d_.remarks.back() = d_.extended.remarks.back();  // the band that remains
     add_verdicts();
     summarize(d_, options_);
     d_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -93,7 +94,7 @@ class RestDiagnosis {
   }
 
  private:
-  // Lowest and highest position of a joint in training.
+  // Lowest and highest position of a joint in the training poses.
   std::pair<double, double> range(int joint) const {
     double low = numerics::kHuge;
     double high = -numerics::kHuge;

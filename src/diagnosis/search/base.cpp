@@ -35,7 +35,7 @@ void add_bounds(const Rows& rows, Base& base) {
   }
 }
 
-// Gram matrix of the columns of all parameters, each joint in units of its rms torque.
+// Gram matrix of the columns of all parameters, each joint's torque relative to its rms.
 MatrixXd gram_of(const Rows& rows) {
   const auto all = static_cast<Eigen::Index>(rows.names().size());
   MatrixXd G = MatrixXd::Zero(all, all);
@@ -51,8 +51,9 @@ MatrixXd gram_of(const Rows& rows) {
   return G;
 }
 
-// Combinations of masses and first moments that make no torque under the MODEL's gravity but do under another one, such as
-// the moments of an upright arm's first link. The MODEL cannot know them; their deviations are the sizes of an arm's bodies.
+// Combinations of masses and first moments without torque under the MODEL's gravity but with torque under
+// another one, such as the moments of an upright arm's first link. The MODEL does not determine them; their
+// prior deviations are typical for an arm's bodies.
 MatrixXd hidden_by_gravity(const Model& model) {
   const std::vector<StandardParameter> parameters = standard_parameters(model);
   const BaseParameters base = base_parameters(model);
@@ -99,7 +100,7 @@ Base fitted_base(const Rows& rows, Eigen::Index most) {
   while (kept < std::min(most, size.size()) && size[size.size() - 1 - kept] > kDependent * size[size.size() - 1]) ++kept;
   Base out;
   out.T = inverse.asDiagonal() * eigen.eigenvectors().rightCols(kept) * size.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  // No parameter has many times the measured torque, cancelled by others.
+  // Keeps single parameters from having many times the measured torque while others cancel it.
   out.ridge = (kLargestPart * kLargestPart * static_cast<double>(rows.rows()) * size.tail(kept)).cwiseInverse();
   for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
   add_bounds(rows, out);
@@ -134,7 +135,7 @@ Base prior_base(const Rows& rows, const Model& model) {
     if (!find_effect(term.effect).traits().elementary) continue;
     double level = std::abs(parameters[p].value);
     if (find_effect(term.effect).traits().role != EffectRole::kFriction) {
-      // An offset drifts by a share of its joint's friction.
+      // The prior of an offset's drift is a share of its joint's friction.
       for (size_t other = 0; other < parameters.size(); ++other) {
         if (!parameters[other].effect) continue;
         const EffectTerm& friction = model.effects()[*parameters[other].effect];
@@ -144,7 +145,7 @@ Base prior_base(const Rows& rows, const Model& model) {
     }
     days.emplace_back(find(static_cast<int>(p)), kDay * level);
   }
-  if (of.empty()) of.push_back(0);  // a file without statistics and friction: a direction that stays at zero
+  if (of.empty()) of.push_back(0);  // a file without statistics and friction: one direction that stays at zero
   const auto count = static_cast<Eigen::Index>(of.size());
   MatrixXd C = MatrixXd::Zero(count, count);
   if (F.size() > 0) {

@@ -21,18 +21,18 @@ bool are_facts(const Model& arm) {
   return arm.description().values == RobotValues::kFacts && has_all_values(arm);
 }
 
-// The arm of a robot file, with the provenance of its values that the caller gives.
+// The arm of a robot file, with the provenance of its values as given by the caller.
 Model robot_of(const Model& file, const DiagnosisOptions& options) {
   ModelDescription d = file.description();
   d.values = options.values.value_or(d.values);
   return Model(std::move(d));
 }
 
-// Says which step runs.
-using Tell = std::function<void(const char* step)>;
+// Reports the step that runs now.
+using ReportStep = std::function<void(const char* step)>;
 
-// Replaces arm and recordings by the mended ones.
-void take(const MendedSetUp& mended, DiagnosisState& x) {
+// Replaces arm and recordings by those with the corrections applied.
+void apply_mended(const MendedSetUp& mended, DiagnosisState& x) {
   IdentificationOptions& how = x.options.identification;
   x.arm = mended.arm;
   for (const auto& [name, recording] : mended.recordings) how.preprocessing.in_memory[name] = recording;
@@ -43,19 +43,19 @@ void take(const MendedSetUp& mended, DiagnosisState& x) {
   x.d.baseline = {};
 }
 
-// Fits the arm. Contradictions between signals and robot file are reported; where a transformation clearly removes them,
-// the diagnosis continues with the transformed recordings or arm.
-bool fit_mended(DiagnosisState& x, const Tell& tell) {
+// Fits the arm. Reports contradictions between signals and robot file; if a transformation clearly removes
+// them, the diagnosis continues with the transformed recordings or arm.
+bool fit_mended(DiagnosisState& x, const ReportStep& report_step) {
   const DiagnosisState as_given = x;
-  tell("checking the recordings");
+  report_step("checking the recordings");
   check_quality(x);
-  tell("fitting the model as it is");
+  report_step("fitting the model as it is");
   if (!fit_baseline(x)) return false;
   const MendedSetUp set_up = mended_set_up(as_given.arm, x.train, x.test, x.options.identification.preprocessing, x.d.baseline);
   if (set_up.mended) {
     const std::vector<RecordingQuality> as_read = std::move(x.d.data_quality);
     x = as_given;
-    take(set_up, x);
+    apply_mended(set_up, x);
     check_quality(x);
     for (size_t k = 0; k < as_read.size(); ++k) x.d.data_quality[k].facts = as_read[k].facts;
     if (!fit_baseline(x)) return false;
@@ -68,21 +68,21 @@ bool fit_mended(DiagnosisState& x, const Tell& tell) {
   return true;
 }
 
-void run(DiagnosisState& x, const Tell& tell) {
-  if (!fit_mended(x, tell)) return;
+void run(DiagnosisState& x, const ReportStep& report_step) {
+  if (!fit_mended(x, report_step)) return;
   if (!exclude_silent_joints(x)) return;
   exclude_rests(x);
-  if (!tells_causes(x)) return;
+  if (!can_attribute_errors(x)) return;
   check_torque_signs(x);
   check_errors_in_variables(x);
-  tell("searching");
+  report_step("searching");
   search::explain(x);
   summarize(x.d, x.options);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 
-// Progress of steps and rounds of tests whose number is not known before: each step advances the
-// bar by half of the rest, and each round by half of the rest of its step.
+// Progress of steps and rounds whose number is not known in advance: each step advances the bar by half of
+// the remainder, and each round by half of what remains of its step.
 class Halving {
  public:
   using Listener = std::function<void(const std::string&, double)>;
@@ -94,21 +94,21 @@ class Halving {
     width_ = 0.5 * (1.0 - begun_);
     rounds_left_ = 1.0;
     step_ = step;
-    tell(step_, begun_);
+    report_step(step_, begun_);
   }
 
   void test(int tested, int of) {
     const double round = 0.5 * rounds_left_;
     const double done = 1.0 - rounds_left_ + round * tested / of;
-    tell(step_ + ": testing hypothesis " + std::to_string(tested) + " of " + std::to_string(of),
-         begun_ + width_ * done);
+    report_step(step_ + ": testing hypothesis " + std::to_string(tested) + " of " + std::to_string(of),
+                begun_ + width_ * done);
     if (tested == of) rounds_left_ -= round;
   }
 
-  void end() const { tell("done", 1.0); }
+  void end() const { report_step("done", 1.0); }
 
  private:
-  void tell(const std::string& what, double share) const {
+  void report_step(const std::string& what, double share) const {
     if (listener_) listener_(what, share);
   }
 
@@ -133,7 +133,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = normalized_cause(arm, one);
   x.d.changes = are_facts(x.arm);
-  // The caller's fit with the joints weighted as here: nothing is compressed again.
+  // The caller's fit, with the joint weights used here: nothing is compressed again.
   if (fitted != nullptr) {
     x.d.baseline = identify_compressed(x.arm, fitted->factors, {}, x.test, x.options.identification);
   }

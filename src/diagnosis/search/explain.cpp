@@ -24,7 +24,7 @@
 namespace veridyn::search {
 namespace {
 
-// Joints without friction of their own in the file.
+// Joints that have no friction of their own in the file.
 std::set<int> joints_without_friction(const Model& arm) {
   std::set<int> out;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -43,7 +43,7 @@ class Explanation {
   void write() {
     SearchRequest request;
     request.scope.changes = d_.changes;
-    // Facts that no recording was fitted to may have wrong constants and no friction.
+    // Known values that were not fitted to a recording may have wrong constants and no friction.
     request.scope.constants = !d_.changes || !x_.arm.description().identified;
     request.scope.wanted = x_.options.effects;
     request.scope.silent = x_.silent;
@@ -87,7 +87,7 @@ class Explanation {
     }
   }
 
-  // Several memories or waves of one cause on one axis are one finding.
+  // Several memories or waves of one cause on one axis form one finding.
   void add_findings() {
     std::map<std::string, size_t> known;
     for (size_t k = 0; k < found_.chosen.size(); ++k) {
@@ -115,8 +115,8 @@ class Explanation {
     }
   }
 
-  // Test error of the first terms, in proportion to the residual of the same fit, so that a fit without physical conditions and
-  // one with them begin alike.
+  // Test error with the first `terms` terms, scaled by the residual of the fit without physical conditions,
+  // so that fits with and without these conditions begin with the same error.
   VectorXd test_error(size_t terms) const {
     const VectorXd& base = d_.baseline.test_error.relative;
     if (base.size() == 0 || found_.test_error.rows() == 0) return base;
@@ -138,19 +138,21 @@ class Explanation {
     return out;
   }
 
-  // The arm without what was found; of a MODEL, what its covariance lets move has moved with the findings.
+  // The arm without the findings. For a MODEL it includes the shift of its parameters, within their
+  // covariance, that the findings cause.
   Model before() const {
     return d_.changes && found_.values.size() > 0 ? with_values(*x_.start.model, found_.values, VectorXd()) : *x_.start.model;
   }
 
-  // Fits the arm with all named terms under physical conditions. A size at its bound is dropped.
+  // Fits the arm with all named terms under physical conditions. A term whose size ends at its bound is
+  // dropped.
   void fit() {
     std::set<size_t> gone;
     for (size_t turn = 0; turn <= of_finding_.size(); ++turn) {
       const std::vector<Chosen> some = named(gone);
       d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(before(), some, d_.changes));
       if (!d_.extended.model || d_.changes || some.empty()) break;
-      // If names increase the error under physical conditions, the weakest is dropped.
+      // If the named terms increase the error under physical conditions, the weakest one is dropped.
       if (d_.extended.train_error.relative.norm() > d_.baseline.train_error.relative.norm()) {
         for (size_t f = of_finding_.size(); f-- > 0;) {
           if (found_.chosen[of_finding_[f].front()].term.kind != TermKind::kCurve && gone.insert(f).second) break;
@@ -184,7 +186,7 @@ class Explanation {
       last = f;
       any = true;
     }
-    // The last name ends at the error of the extended model.
+    // The last finding ends at the error of the extended model.
     if (any && d_.extended.test_error.relative.size() > 0) d_.findings[last].test_after = d_.extended.test_error.relative;
     left_ = d_.extended.test_error.relative;
     if (left_.size() == n_ && found_.test_error.rows() > 0) {
@@ -200,7 +202,7 @@ class Explanation {
         ++k;
       }
     }
-    // What is predicted of the difference between repeats is no noise.
+    // The part of the difference between repeats that curves predict is no noise.
     VectorXd floor = d_.baseline.noise_floor;
     if (floor.size() == n_ && left_.size() == n_) floor = floor.cwiseMin(left_);
     for (Finding& f : d_.findings) f.explains = explained_share(f.test_before, f.test_after, d_.baseline.test_error.relative, floor);
@@ -227,7 +229,7 @@ class Explanation {
     std::vector<Contact> contacts;
     add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, contacts);
     if (found_.test) add_moments_in(*found_.test, found_.test_residual, found_.scale, x_.test, contacts);
-    // The residual of a curve of the joint is no push.
+    // The residual of a joint with an unnamed curve is no push.
     contacts.erase(std::remove_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
                      const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {
                        return t.term.kind == TermKind::kCurve && t.term.joint->value == c.last_joint;
@@ -265,7 +267,7 @@ class Explanation {
     if (!d_.changes) d_.cannot_tell.push_back({AddedLoad::kName, std::nullopt, "without a model from before, a load is part of the link it sits on"});
   }
 
-  // Curves as tables of the extended model, where the user wants them.
+  // Adds curves as tables to the extended model, if the options ask for tables.
   void keep_tables() {
     if (x_.options.unnamed != UnnamedForces::kKept || !d_.extended.model) return;
     ModelDescription description = d_.extended.model->description();
@@ -332,7 +334,7 @@ class Explanation {
     v.floor = repeats ? std::min(d_.baseline.noise_floor[j], other) : other;
     const auto& known = x_.arm.description().identified;
     if (d_.changes && known && known->error.size() > j) v.floor = std::max(v.floor, std::min(other, known->error[j]));
-    // Neither a vibration nor what signals predict and nobody asked about is a floor.
+    // A vibration is no floor, nor is a part that signals predict but that the tested causes exclude.
     const std::optional<Vibration> vibration = vibration_of(d_.extended, j, x_.options.thresholds);
     const double unasked = found_.unasked.size() > j ? found_.unasked[j] : -1.0;
     const double predicted = std::max(vibration && !unnamed ? vibration->share : 0.0, unasked);
@@ -340,7 +342,7 @@ class Explanation {
       v.floor = v.left * std::sqrt(1.0 - predicted);
       v.source = FloorSource::kRegression;
     }
-    // What the training recordings do not leave is no floor of the held-out ones.
+    // An error that the training recordings do not have is no floor of the held-out ones.
     const VectorXd& trained = d_.extended.train_error.relative;
     const bool differs = trained.size() > j && v.floor > kDiffers * trained[j];
     if (differs) v.floor = trained[j];
@@ -368,7 +370,7 @@ class Explanation {
                        numerics::kPercent * vibration.share, vibration.frequency, vibration.amplitude, effort_unit(x_.arm.coordinates()[j]));
   }
 
-  // Coarse steps of a recorded torque, which no model predicts.
+  // Sentence about the coarse steps of a recorded torque, which no model predicts.
   std::string words_of_steps(int j) const {
     for (const RecordingQuality& q : d_.data_quality) {
       const QualityFinding* steps = q.find("torque_quantised", j + 1);
@@ -389,7 +391,7 @@ class Explanation {
   Diagnosis& d_;
   int n_;
   SearchResult found_;
-  std::vector<std::vector<size_t>> of_finding_;  // terms of every finding
+  std::vector<std::vector<size_t>> of_finding_;  // indices of the terms of every finding
   std::vector<int> count_;
   VectorXd left_;
 };

@@ -29,7 +29,7 @@ std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame)
   return std::nullopt;
 }
 
-// Parameters of a load, with its inertia beyond that of a point mass.
+// Inertial parameters of a load, with its inertia beyond that of a point mass.
 InertialParameters load_of(const Chosen& c) {
   InertialParameters phi = InertialParameters::Zero();
   phi.head<4>() = c.values.head<4>();
@@ -45,7 +45,7 @@ InertialParameters load_of(const Chosen& c) {
   return phi;
 }
 
-// Parameters of a body, written in another frame that moves with it.
+// Inertial parameters of a body, written in another frame that moves with it.
 InertialParameters moved(const InertialParameters& phi, const Posed& T) {
   const Eigen::Matrix3d R = eigen(T.R);
   const Eigen::Vector3d p = eigen(T.p), h = phi.segment<3>(1);
@@ -68,7 +68,8 @@ Model extended_arm(const Model& arm, const std::vector<Chosen>& chosen, bool cha
   if (changes && !chosen.empty()) d.identified.reset();  // the statistics belong to values that have changed
   for (const Chosen& c : chosen) {
     if (c.term.kind == TermKind::kLoad) {
-      // Inertia beyond that of a point is known less well than mass and moments: it goes where no body has the sum.
+      // A load's inertia beyond that of a point mass is less certain than its mass and moments: it is dropped
+      // where the sum would be physically impossible.
       InertialParameters load = load_of(c);
       const FrameIndex frame = *frame_of(c.term.cause);
       const auto body = body_of(arm, frame);

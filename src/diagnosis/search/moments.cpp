@@ -50,7 +50,7 @@ class OneRecording {
   double time(std::ptrdiff_t k) const { return rows_.time()[own_[k]]; }
   bool is_large(std::ptrdiff_t k) const { return (mean_.row(k).cwiseAbs().array() >= kMomentSize).any(); }
 
-  // Running means over 2 * half + 1 rows, in scales.
+  // Running means over 2 * half + 1 rows, in scales of the residual.
   void average(std::ptrdiff_t half) {
     const int n = rows_.joints();
     mean_ = MatrixXd::Zero(count(), n);
@@ -64,7 +64,7 @@ class OneRecording {
     }
   }
 
-  // Running means extend a push by half a window, and filters ring: it begins and ends at half of its height.
+  // Running means and filters extend a push on either side: it begins and ends at half of its height.
   std::pair<std::ptrdiff_t, std::ptrdiff_t> shortened(std::ptrdiff_t first, std::ptrdiff_t end) const {
     VectorXd height = VectorXd::Zero(rows_.joints());
     for (auto at = first; at < end; ++at) {
@@ -81,7 +81,7 @@ class OneRecording {
     return {first, end};
   }
 
-  // The peak is zero if no joint has a residual large enough.
+  // A contact without a joint with a large enough residual has a peak of zero.
   Contact contact(std::ptrdiff_t first, std::ptrdiff_t end) const {
     const int n = rows_.joints();
     Contact c;

@@ -8,9 +8,10 @@
 
 namespace veridyn::search {
 
-/// Adds the stretches of half a second and more in which a residual (rows x n) keeps one sign: something pushed or held the
-/// arm. A push is rare: of a recording whose residual keeps its sign for a large part of its time nothing is added.
-/// @param scale    (n) of the residual [N m] or [N].
+/// Adds the intervals of half a second or more in which a residual (rows x n) keeps one sign, as under a
+/// push. A push is rare: nothing is added for a recording in which the residual keeps its sign for a large
+/// part of the time.
+/// @param scale    (n) scale of the residual [N m] or [N].
 /// @param sources  the recordings of the rows.
 void add_moments_in(const Rows& rows, const MatrixXd& residual, const VectorXd& scale, const std::vector<std::string>& sources,
                     std::vector<Contact>& out);

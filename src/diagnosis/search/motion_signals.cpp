@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// Widens the range of a signal by all its values.
+// Extends the range of a signal to all its values.
 void widen(const std::vector<double>& values, MotionSignal& s) {
   for (const double v : values) {
     s.low = std::min(s.low, v);

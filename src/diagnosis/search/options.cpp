@@ -12,7 +12,7 @@
 namespace veridyn::search {
 namespace {
 
-// A torque that is mostly of an impossible sign, or a factor that turns one round, is no answer.
+// True unless the torque mostly has an impossible sign, or the sign of a factor would turn around.
 bool is_possible(const Term& t, const Columns& columns, const VectorXd& z) {
   VectorXd size = VectorXd::Zero(z.size());
   for (const MatrixXd& of : columns.of) size += of.colwise().squaredNorm().transpose();
@@ -20,7 +20,7 @@ bool is_possible(const Term& t, const Columns& columns, const VectorXd& z) {
   size.cwiseProduct(z.cwiseAbs2()).maxCoeff(&largest);
   const auto is_impossible = [&](const Level& level) { return level.column == largest && level.own + z[largest] < 0.0; };
   if (std::any_of(t.nonnegative.begin(), t.nonnegative.end(), is_impossible)) return false;
-  return !scales(t) || z[0] > kGainOfNothing;
+  return !is_factor(t) || z[0] > kGainOfNothing;
 }
 
 }  // namespace
@@ -39,7 +39,8 @@ Option Options::option(const Round& round, const Subset& s, const Beside& one) {
   return out;
 }
 
-// The best shape near the present one: golden sections of each number between its neighbours in the grid.
+// Improves the shape near the present one: golden sections for each constant, between its neighbours in the
+// grid.
 void Options::polish(const Round& round, const Subset& s, Option& best) const {
   if (best.term.kind == TermKind::kLoad) return polish_load(round, s, best);
   for (int turn = 0; turn < (best.term.shapes.size() > 1 ? 2 : 1); ++turn) {
@@ -73,7 +74,7 @@ void Options::polish(const Round& round, const Subset& s, Option& best) const {
   }
 }
 
-// The inertia of a load is that of a point at its centre, which its moments give.
+// The load's inertia is that of a point at its centre, which follows from its moments.
 void Options::polish_load(const Round& round, const Subset& s, Option& best) const {
   for (int k = 0; k < kTurns; ++k) {
     const VectorXd z = best.fit.x.tail(kBodyParameters).head<4>();
@@ -98,7 +99,7 @@ std::vector<Beside> Options::beside(const Round& round, const std::vector<Term>&
   return out;
 }
 
-// The best terms in a place of the set, each cause once, with their shapes polished.
+// The best terms in place of the last one of the set, one of each cause, with polished shapes.
 std::vector<Option> Options::best_terms(const Round& round, const Subset& s, const std::vector<Beside>& all, double needed,
                                         const Asked& is_asked) const {
   struct Screened {
@@ -120,7 +121,7 @@ std::vector<Option> Options::best_terms(const Round& round, const Subset& s, con
   std::vector<Option> out(order.size());
   parallel_for(static_cast<int>(order.size()), request_.threads, [&](int k) { out[k] = option(round, s, *order[k].of); });
   const auto better = [](const Option& a, const Option& b) { return a.value < b.value; };
-  // Terms with a gain in few blocks only must not displace those with a gain in all.
+  // Terms with a gain in few blocks only are compared after those with a gain in all.
   const Fitted without = round.evaluate(s);
   out.erase(std::remove_if(out.begin(), out.end(), [&](const Option& o) {
               const Gain g = round.gain(o.fit, without);
@@ -153,7 +154,8 @@ std::vector<Beside> Options::ripples(const Round& round, const MatrixXd& residua
   return beside(round, some);
 }
 
-// Gravity that points elsewhere, or that the torques do not hold: far from the file's, where no derivative leads.
+// Directions of gravity far from that of the file, and its absence: derivatives at the file's direction do
+// not lead there.
 std::vector<Option> Options::far_gravities(const Round& now, const Fitted& fit) {
   std::vector<Option> out;
   const Term* tilt = nullptr;
@@ -176,7 +178,7 @@ std::vector<Option> Options::far_gravities(const Round& now, const Fitted& fit) 
     const Round then = at_.round();
     Option o;
     o.term = *tilt;
-    // Torques without gravity are as good as any direction that no joint feels.
+    // The absence of gravity costs as much as any direction of which the joints feel nothing.
     if (gravity != Eigen::Vector3d::Zero()) o.term.price += std::log(static_cast<double>(all.size()));
     o.fit = then.evaluate(then.subset(at_.all_but({})));
     const Gain gain = now.gain(o.fit, fit);

@@ -10,40 +10,41 @@
 
 namespace veridyn::search {
 
-/// A term that replaces others, with the score that it reaches.
+/// A term in place of others, with the score of the changed set.
 struct Option {
   Term term;
   std::shared_ptr<const Columns> columns;
   VectorXd ridge;
   Fitted fit;
-  double value = std::numeric_limits<double>::infinity();  ///< score with its price
+  double value = std::numeric_limits<double>::infinity();  ///< score, with the price of the term
   std::optional<Eigen::Vector3d> gravity;
 };
 
-/// A term that may be added to those of a round, with the products of their columns.
+/// A term that may be added in a round, with the products of its columns and those of the round.
 struct Beside {
   Term term;
   std::shared_ptr<const Columns> columns;
   Cross cross;
 };
 
-/// Compares terms in a place of the present set.
+/// Compares terms at one place of the present set.
 class Options {
  public:
   using Asked = std::function<bool(const Term&)>;
 
   Options(Present& at, const SearchRequest& request) : at_(at), request_(request) {}
 
-  /// Products of entries of the dictionary with a round, and of other terms.
+  /// Products of the dictionary's entries with the columns of a round, and the other terms.
   std::vector<Beside> dictionary(const Round& round, const Asked& is_asked);
   std::vector<Beside> beside(const Round& round, const std::vector<Term>& some) const;
-  /// Waves that the spectrum of a residual (rows x n) proposes.
+  /// Waves suggested by the spectrum of a residual (rows x n).
   std::vector<Beside> ripples(const Round& round, const MatrixXd& residual) const;
-  /// Gravity that points elsewhere, or that the torques do not hold: far from the file's, where no derivative leads.
+  /// Directions of gravity far from that of the file, and its absence: derivatives at the file's direction do
+  /// not lead there.
   std::vector<Option> far_gravities(const Round& now, const Fitted& fit);
 
-  /// The best terms in a place of the set, each cause once, with their shapes polished.
-  /// @param needed  gain [nats]; the shapes of terms far below it are not optimised.
+  /// The best terms at one place of the set, one of each cause, with polished shapes.
+  /// @param needed  gain [nats]; terms far below it are not polished.
   std::vector<Option> best_terms(const Round& round, const Subset& s, const std::vector<Beside>& all, double needed, const Asked& is_asked) const;
 
   Option option(const Round& round, const Subset& s, const Term& term) const;

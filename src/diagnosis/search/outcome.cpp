@@ -21,7 +21,7 @@ class Outcome {
   SearchResult write() {
     SearchResult out;
     out.folds = at_.folds();
-    out.asked = asked();
+    out.asked = compared_causes();
     out.degrees_of_freedom = std::max(1, at_.folds().blocks - 1);
     if (at_.is_empty()) {
       out.rows = at_.shared_rows();
@@ -61,14 +61,14 @@ class Outcome {
       c.folds_after = relative(w.with);
       c.values = full.x.segment(first, count);
       for (size_t p = 0; p < c.offset.size() && !c.gravity; ++p)
-        c.values[static_cast<Eigen::Index>(p)] = scales(c.term) ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
+        c.values[static_cast<Eigen::Index>(p)] = is_factor(c.term) ? (1.0 + c.offset[p]) * (1.0 + c.values[static_cast<Eigen::Index>(p)]) - 1.0
                                                                    : c.values[static_cast<Eigen::Index>(p)] + c.offset[p];
       c.covariance = covariance.block(first, first, count, count);
       c.deviations = c.covariance.diagonal().cwiseSqrt();
-      take_shape_deviations(now, k, c);
-      if (!c.term.is_linearised()) take_rivals(now, names, full, k, c);
+      set_shape_deviations(now, k, c);
+      if (!c.term.is_linearised()) find_rivals(now, names, full, k, c);
     }
-    take_refused(now, s, full, names, out);
+    find_refused(now, s, full, names, out);
     out.rows = at_.shared_rows();
     out.residual = full.residual;
     out.scale = now.scale();
@@ -87,14 +87,14 @@ class Outcome {
       const bool is_curve = a.term.kind == TermKind::kCurve;
       return is_curve != (b.term.kind == TermKind::kCurve) ? !is_curve : a.gain > b.gain;
     });
-    take_test_errors(out);
+    set_test_errors(out);
     out.chosen = std::move(at_.terms);
     return out;
   }
 
  private:
-  // Causes that were compared: each place once.
-  int asked() const {
+  // Number of compared causes; each place counts once.
+  int compared_causes() const {
     std::set<std::string> places;
     for (const Term& t : at_.dictionary()) {
       const bool is_asked = t.kind != TermKind::kCurve || request_.scope.wanted.empty();
@@ -103,9 +103,9 @@ class Outcome {
     return static_cast<int>(places.size());
   }
 
-  // The held-out recordings with the first terms of the set, fitted to all training rows. Against a MODEL with what the whole
-  // set gives them: without a term its own parameters would move into its place.
-  void take_test_errors(SearchResult& out) {
+  // Errors on held-out recordings with the first terms of the set, fitted to all training rows. For a MODEL
+  // the base keeps the values of the whole set: without a term its own parameters would move to replace it.
+  void set_test_errors(SearchResult& out) {
     if (request_.test.empty()) return;
     out.test_error.resize(static_cast<Eigen::Index>(at_.terms.size()) + 1, at_.rows().joints());
     std::optional<Round> then;
@@ -121,7 +121,7 @@ class Outcome {
       std::vector<int> some(m);
       std::iota(some.begin(), some.end(), 0);
       if (!request_.scope.changes || m == at_.terms.size()) x = then->evaluate(then->subset(some)).x;
-      const MatrixXd residual = at_.left_on_test(x, some);
+      const MatrixXd residual = at_.test_residual_of(x, some);
       out.test_error.row(static_cast<Eigen::Index>(m)) = residual.colwise().norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, residual.rows())));
       if (m < at_.terms.size()) continue;
       out.test = at_.test_rows();
@@ -129,8 +129,8 @@ class Outcome {
     }
   }
 
-  // The curvature of the score in each shape.
-  void take_shape_deviations(const Round& now, size_t k, Chosen& c) {
+  // Standard deviations of the shapes, by the curvature of the score.
+  void set_shape_deviations(const Round& now, size_t k, Chosen& c) {
     const Subset rest = now.subset(at_.all_but({k}));
     for (const TermShape& shape : c.term.shapes) {
       const double value = c.term.effect.values.at(shape.name);
@@ -144,7 +144,7 @@ class Outcome {
         };
         const double rise = 0.5 * (at(1.0) + at(-1.0)) - centre;
         if (rise < 0.5) continue;
-        // S rises by 1/2 at one standard deviation.
+        // The score S rises by 1/2 at one standard deviation.
         deviation = step * std::sqrt(0.5 / rise) * (shape.logarithmic ? value : shape.step);
         break;
       }
@@ -165,7 +165,7 @@ class Outcome {
     return out;
   }
 
-  void take_rivals(const Round& now, const std::vector<Beside>& names, const Fitted& full, size_t k, Chosen& c) {
+  void find_rivals(const Round& now, const std::vector<Beside>& names, const Fitted& full, size_t k, Chosen& c) {
     const std::vector<int> rest = at_.all_but({k});
     const Subset s = now.subset(rest);
     const Fitted without = now.evaluate(s);
@@ -180,7 +180,7 @@ class Outcome {
     c.rivals.resize(std::min(c.rivals.size(), kMostRivals));
   }
 
-  void take_refused(const Round& now, const Subset& s, const Fitted& full, const std::vector<Beside>& names, SearchResult& out) {
+  void find_refused(const Round& now, const Subset& s, const Fitted& full, const std::vector<Beside>& names, SearchResult& out) {
     std::map<std::string, Refused> best;
     for (const Beside& one : names) {
       const Term& t = one.term;

@@ -5,8 +5,8 @@
 
 namespace veridyn::search {
 
-/// What the terms of the final set gain beside all others, with their deviations, rivals and held-out errors, and what did
-/// not enter. Takes the terms of the set.
+/// Gain of each term of the final set next to all others, with deviations, rivals and held-out errors, and
+/// the terms that were refused. Moves the terms out of the set.
 SearchResult outcome_of(Present& at, Options& options, const SearchRequest& request);
 
 }  // namespace veridyn::search

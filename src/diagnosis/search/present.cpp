@@ -42,7 +42,7 @@ bool is_tilt(const Term& t) {
          !dynamic_cast<const ArmEffect&>(find_effect(t.effect.effect)).far_values().empty();
 }
 
-bool scales(const Term& t) {
+bool is_factor(const Term& t) {
   if (t.kind != TermKind::kChannel) return false;
   const auto* sensor = dynamic_cast<const SensorError*>(&find_effect(t.effect.effect));
   return sensor != nullptr && sensor->scales_torque();
@@ -72,7 +72,7 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
 Base Present::base_of(const Rows& rows) const {
   if (!request_.scope.changes) return fitted_base(rows, directions_);
   if (base_.T.size() == 0) return prior_base(rows, arm_);
-  // The directions are those of the MODEL's own arm; at another arm they have other torques.
+  // The directions were determined at the MODEL's own arm; at a corrected arm their columns differ.
   Base out = base_;
   for (int i = 0; i < rows.joints(); ++i) out.X[i] = base_columns(rows, i, out.T);
   return out;
@@ -84,7 +84,8 @@ double Present::price_of(const std::vector<int>& some) const {
   return sum;
 }
 
-// The curves of the joint of a name. A curve can imitate a name, so names are evaluated without it.
+// Curves on the joint of a named term. A curve can imitate the named cause, so that the term is compared
+// without it.
 std::set<size_t> Present::curves_beside(size_t k) const {
   std::set<size_t> out;
   const Term& t = terms[k].term;
@@ -146,12 +147,12 @@ void Present::restore(const State& s) {
   test_columns_ = s.test_columns;
 }
 
-// The arm with values and the corrections of a set.
+// The arm with values and the corrections of these terms.
 Model Present::arm_of(const std::vector<Chosen>& some) const {
   return corrected(request_.scope.changes ? arm_ : with_values(arm_, values_, VectorXd()), some);
 }
 
-// Rows, base and columns at another arm; false if they are not the same rows.
+// Computes rows, base and columns at another arm; false if its rows are not the same ones.
 bool Present::move_to(const Model& arm) {
   std::shared_ptr<Rows> rows;
   try {
@@ -172,7 +173,8 @@ bool Present::move_to(const Model& arm) {
   return true;
 }
 
-// Steps of the k-th term, which is exact at the present arm only; false if even the first one makes it worse.
+// Takes steps of the k-th term, whose columns are exact at the present arm only; false if even the first step
+// raises the score.
 bool Present::linearise(size_t k) {
   bool moved = terms[k].gravity.has_value();
   if (moved && !move_to(arm_of(terms))) return false;
@@ -188,8 +190,9 @@ bool Present::linearise(size_t k) {
     if (small) return true;
     const State state = kept();
     bool better = false;
-    // What is taken from the recorded torque of another joint brings its noise: it need not do all that the model's torque does.
-    // Under another gravity the hidden parameters of a MODEL have a torque: each that is fitted may raise the held-out error.
+    // A torque computed from the recorded torque of another joint contains its noise, so that it need not
+    // lower the score as much as the model's torque does. Under another gravity the hidden parameters of a
+    // MODEL have a torque: each fitted one may raise the held-out error.
     double least = moved ? 0.0 : -kBetter;
     if (!moved && is_tilt(terms[k].term)) least *= 1.0 + static_cast<double>(base_.hidden);
     if (!moved && terms[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but({k})))).sum;
@@ -228,9 +231,9 @@ bool Present::take_step(size_t k, const std::vector<double>& step) {
   const auto& parameters = c.term.kind == TermKind::kChannel ? find_effect(c.term.effect.effect).parameters() : std::vector<EffectParameter>(1);
   for (size_t p = 0; p < step.size(); ++p) {
     double& offset = c.offset[p];
-    offset = scales(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
+    offset = is_factor(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
     if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
-    if (scales(c.term) && offset < kGainOfNothing) return false;
+    if (is_factor(c.term) && offset < kGainOfNothing) return false;
     if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
   }
   return true;
@@ -250,13 +253,13 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
   out.with = now.evaluate(with);
   const bool is_tested = is_repeated();
   MatrixXd test_with, test_without;
-  if (is_tested) test_with = left_on_test(out.with.x, set);
+  if (is_tested) test_with = test_residual_of(out.with.x, set);
   aside.insert(k);
   if (!terms[k].term.is_linearised()) {
     const std::vector<int> rest = all_but(aside);
     const Subset s = now.subset(rest);
     out.fit = now.evaluate(s);
-    if (is_tested) test_without = left_on_test(out.fit.x, rest);
+    if (is_tested) test_without = test_residual_of(out.fit.x, rest);
   } else {
     const State state = kept();
     terms.erase(terms.begin() + static_cast<long>(k));
@@ -265,7 +268,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
       const std::vector<int> rest = all_but({});
       const Subset all = then.subset(rest);
       out.fit = then.evaluate(all);
-      if (is_tested) test_without = left_on_test(out.fit.x, rest);
+      if (is_tested) test_without = test_residual_of(out.fit.x, rest);
       if (look) look(then, all, out.fit, then.gain(out.with, out.fit).sum);
     } else {
       out.fit = out.with;
@@ -278,7 +281,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
   return out;
 }
 
-// Rows of the held-out recordings at the present arm.
+// Rows of the held-out recordings, for the present arm.
 const std::shared_ptr<const Rows>& Present::test_rows() {
   if (test_of_ != rows_) {
     test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
@@ -288,8 +291,8 @@ const std::shared_ptr<const Rows>& Present::test_rows() {
   return test_;
 }
 
-// Residual of the held-out recordings under terms of the present set.
-MatrixXd Present::left_on_test(const VectorXd& x, const std::vector<int>& set) {
+// Residual of the held-out recordings with terms of the present set.
+MatrixXd Present::test_residual_of(const VectorXd& x, const std::vector<int>& set) {
   const Rows& test = *test_rows();
   MatrixXd residual = test.residual;
   for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(test, i, base_.T) * x.head(base_.T.cols());

@@ -15,10 +15,11 @@ namespace veridyn::search {
 /// True for the direction of gravity.
 bool is_tilt(const Term& t);
 
-/// True for a factor of the recorded torque.
-bool scales(const Term& t);
+/// True for a factor of a recorded torque.
+bool is_factor(const Term& t);
 
-/// The present set of terms at the arm with their corrections, where everything that a search compares is evaluated.
+/// The present set of terms, with the arm and the corrections in it; evaluates everything that a search
+/// compares.
 class Present {
  public:
   Present(const Model& arm, const SearchRequest& request);
@@ -29,10 +30,11 @@ class Present {
   const std::shared_ptr<const Rows>& shared_rows() const { return rows_; }
   const Folds& folds() const { return folds_; }
   const Base& base() const { return base_; }
-  const Eigen::Vector3d& gravity() const { return arm_.gravity(); }  ///< of the file
+  const Eigen::Vector3d& gravity() const { return arm_.gravity(); }  ///< gravity of the file
   const std::vector<Term>& dictionary() const { return dictionary_; }
   bool is_empty() const { return folds_.count == 0 || rows_->rows() == 0; }
-  /// True if held-out recordings judge every term. What changed since a MODEL may differ from one recording to the next.
+  /// True if every term is tested again on held-out recordings. For changes of a MODEL it is not: these may
+  /// differ between recordings.
   bool is_repeated() const { return !request_.test.empty() && !request_.scope.changes; }
 
   /// Weights and factors of the present set; the weights start from those of the last round.
@@ -44,7 +46,7 @@ class Present {
   VectorXd ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const;
   bool is_chosen(const Term& t, const std::set<size_t>& without = {}) const;
   bool shares_joint(const Term& t, const std::set<size_t>& with) const;
-  /// Columns of an entry of the dictionary. Entries may be evaluated in parallel, each by one thread.
+  /// Columns of an entry of the dictionary. Several threads may evaluate different entries.
   const std::shared_ptr<const Columns>& columns_at(size_t k);
 
   struct State {
@@ -60,29 +62,30 @@ class Present {
   State kept() const;
   void restore(const State& s);
 
-  /// The arm with values and the corrections of a set.
+  /// The arm with values and the corrections of these terms.
   Model arm_of(const std::vector<Chosen>& some) const;
-  /// Rows, base and columns at another arm; false if they are not the same rows.
+  /// Computes rows, base and columns at another arm; false if its rows are not the same ones.
   bool move_to(const Model& arm);
-  /// Steps of the k-th term, which is exact at the present arm only; false if even the first one makes it worse.
+  /// Takes steps of the k-th term, whose columns are exact at the present arm only; false if even the first
+  /// step raises the score.
   bool linearise(size_t k);
 
   /// The set without one term, at the arm without it.
   struct Without {
     Fitted with, fit;
     Gain gain;
-    Gain on_test;  ///< of the held-out recordings; empty without any
+    Gain on_test;  ///< gain on held-out recordings; empty if there are none
   };
-  /// Called at the arm without a linearised term, with what the term gained there.
+  /// Called at the arm without a linearised term, with the gain of the term there.
   using AtArmWithout = std::function<void(const Round&, const Subset&, const Fitted&, double gained)>;
   Without without(size_t k, const Round& now, const AtArmWithout& look = {});
 
-  /// Rows of the held-out recordings at the present arm.
+  /// Rows of the held-out recordings, for the present arm.
   const std::shared_ptr<const Rows>& test_rows();
-  /// Residual of the held-out recordings under terms of the present set.
-  MatrixXd left_on_test(const VectorXd& x, const std::vector<int>& set);
+  /// Residual of the held-out recordings with terms of the present set.
+  MatrixXd test_residual_of(const VectorXd& x, const std::vector<int>& set);
 
-  /// Standard parameters of the arm with a fit.
+  /// Standard parameters of the arm after a fit.
   VectorXd values_of(const Fitted& fit) const { return values_ + base_.T * fit.x.head(base_.T.cols()); }
 
  private:
@@ -94,7 +97,7 @@ class Present {
   const SearchRequest& request_;
   std::shared_ptr<const Rows> rows_;
   Folds folds_;
-  Eigen::Index directions_ = 0;  // base parameters of the arm
+  Eigen::Index directions_ = 0;  // number of the arm's base parameters
   Base base_;
   VectorXd values_;
   MatrixXd weights_;

@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// Frames that carry a body, or a frame that does.
+// True for frames that carry a body or a frame with one.
 std::vector<bool> carriers(const Model& arm) {
   std::vector<bool> out(arm.frames().size(), false);
   for (size_t k = out.size(); k-- > 0;) {
@@ -27,7 +27,7 @@ std::vector<FrameConstant> row_constants(const Model& arm) {
     const Frame& frame = arm.frames()[k];
     if (!frame.dh || !carries[k]) continue;
     for (const FrameConstant& c : constants_of(arm, {k})) {
-      // A joint that drives its own frame has no ratio.
+      // The coefficient of a joint that drives its own frame is no gear ratio.
       if (!c.joint || std::abs(frame.variable.coefficients[c.joint->value]) != 1.0) out.push_back(c);
     }
   }

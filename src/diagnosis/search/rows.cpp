@@ -82,7 +82,7 @@ Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const P
         own[i].resize(rows_, rows.A.cols());
         own_parameters[i] = rows.parameters;
       }
-      // A wrong gain of the recorded torque is undone in the rows; errors are compared as recorded.
+      // Rows contain the torque with a wrong gain corrected; errors refer to the torque as recorded.
       const double gain = arm.coordinates()[i].recorded.torque_gain;
       own[i].middleRows(one.first, count) = gain * rows.A;
       residual.col(i).segment(one.first, count) = gain * (rows.b - rows.A * values(rows.parameters));
@@ -130,7 +130,7 @@ Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cuto
   }
   out.blocks = static_cast<int>(blocks.size());
   if (parts == 1 || cutoff <= 0.0) return out;
-  // The filter spreads rows across a border, which would leak between folds.
+  // The filter spreads rows across a border, so that folds would share information.
   const double margin = 0.5 / cutoff;
   const std::vector<int> whole = out.of_row;
   for (Eigen::Index k = 1; k < rows.rows(); ++k) {

@@ -13,7 +13,7 @@ namespace veridyn::search {
 /// Columns of one term at the rows of a search, for every joint on which it acts.
 struct Columns {
   std::vector<int> joints;
-  std::vector<MatrixXd> of;  ///< (rows x count), one for each of `joints`
+  std::vector<MatrixXd> of;  ///< (rows x count) for each of `joints`
   Eigen::Index count() const { return of.empty() ? 0 : of.front().cols(); }
 };
 
@@ -24,17 +24,17 @@ struct Stretch {
   std::vector<Eigen::Index> kept;  ///< samples that become rows
   Eigen::Index first = 0;          ///< first of these rows, in order of time
   MatrixXd load;                   ///< (samples x n) torque of the rigid bodies, low-passed
-  MatrixXd torque;                 ///< (samples x n) torque of the arm's values, effects included
+  MatrixXd torque;                 ///< (samples x n) torque of the arm with its values, effects included
 };
 
-/// Which rows are held out together, and which blocks of them count as independent. Both follow from the
-/// recordings alone and are the same for every arm.
+/// Division of the rows into folds, which are held out together, and into blocks, which count as independent.
+/// It depends on the recordings only and is the same for every arm.
 struct Folds {
   int count = 0;
-  std::vector<int> of_row;    ///< in order of time; -1: at a border between two folds, left out
-  std::vector<int> block;     ///< of every row
+  std::vector<int> of_row;    ///< fold of every row, in order of time; -1: the row is next to a border and left out
+  std::vector<int> block;     ///< block of every row
   int blocks = 0;
-  double errors = 0.0;        ///< standard errors over blocks that a gain must exceed
+  double errors = 0.0;        ///< a gain must exceed this many standard errors over blocks
 };
 
 /// A column whose coefficient, added to the arm's own value, cannot be negative: friction levels.
@@ -43,10 +43,10 @@ struct Level {
   double own;
 };
 
-/// The rows of recordings as one arm takes them: filtered and decimated as identification does it.
+/// The rows of recordings for one arm, filtered and decimated as in an identification.
 class Rows {
  public:
-  /// @param arm  with values, which need not be possible ones.
+  /// @param arm  with values; these may be physically impossible.
   Rows(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& how);
 
   const Model& arm() const { return arm_; }
@@ -59,17 +59,17 @@ class Rows {
   const VectorXd& phi() const { return phi_; }  ///< inertial parameters of all bodies
   const std::vector<std::string>& names() const { return names_; }
 
-  /// (rows x n) measured torque and what the arm's values predict of it.
+  /// (rows x n) measured torque, and its difference from the torque of the arm's values.
   MatrixXd measured, residual;
-  /// (rows x n) one where a row counts for a joint, zero where it is left out.
+  /// (rows x n) one if a row counts for a joint, zero if it is excluded.
   MatrixXd used;
 
-  /// Columns of the arm's own free parameters, in one list for all joints: entry i of `own` are the
-  /// columns of joint i for the parameters own_parameters[i].
+  /// Columns of the arm's own free parameters, in one list for all joints: own[i] has the columns of joint i
+  /// for the parameters own_parameters[i].
   std::vector<MatrixXd> own;
   std::vector<std::vector<int>> own_parameters;
 
-  /// Filters columns along a stretch and puts them into the rows of the stretch.
+  /// Filters columns along a stretch and stores them in its rows.
   void put(const Stretch& stretch, MatrixXd columns, MatrixXd& into) const;
 
  private:
@@ -84,8 +84,8 @@ class Rows {
   std::vector<std::string> names_;
 };
 
-/// Whole recordings where there are three or more, else contiguous parts; equal phases of a motion that
-/// repeats are held out together, or one period would teach the other.
+/// Folds are whole recordings where there are three or more, else contiguous parts. Equal phases of a motion
+/// that repeats belong to one fold; otherwise one period would predict the other.
 /// @param periods  [s] of the recordings; 0: no repetition.
 Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cutoff);
 

@@ -13,7 +13,7 @@
 namespace veridyn::search {
 namespace {
 
-// The scale of a Student-t distribution fitted to residuals, by its fixed point.
+// Scale of a Student-t distribution fitted to residuals, by fixed-point iteration.
 double student_scale(const VectorXd& r, const VectorXd& used, double floor) {
   const double count = std::max(1.0, used.sum());
   double s2 = std::max((r.array().square() * used.array()).sum() / count, floor * floor);
@@ -28,7 +28,7 @@ Eigen::ArrayXd losses_of(const VectorXd& r, double s) {
   return std::log(s) + 0.5 * (kFreedom + 1.0) * (r.array().square() / (kFreedom * s * s)).log1p();
 }
 
-// Rows over the integrated autocorrelation of a residual in order of time.
+// Number of independent samples: rows over the integrated autocorrelation of a residual in order of time.
 double independent_samples(const VectorXd& r, const VectorXd& used) {
   const Eigen::Index count = r.size();
   const double mean = r.dot(used) / std::max(1.0, used.sum());
@@ -145,7 +145,7 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
   weights = weights_;
 }
 
-// Weights of the Student-t loss and the scale of every joint from residuals (sorted rows).
+// Weights of the Student-t loss, and the scale of every joint, from residuals in sorted rows.
 void Round::weigh(const MatrixXd& residual) {
   const auto n = residual.cols();
   scale_.resize(n);
@@ -247,10 +247,10 @@ Cross Round::cross(const Columns& columns, const VectorXd& ridge) const {
   return out;
 }
 
-// Further columns beside factored ones.
+// Further columns next to those that are factored already.
 struct Round::Bordered {
   MatrixXd half;            // L^-1 C
-  Eigen::LDLT<MatrixXd> S;  // of their Schur complement
+  Eigen::LDLT<MatrixXd> S;  // factor of their Schur complement
   VectorXd z, dx;           // their coefficients, and the change of the other coefficients
   double gain = 0.0;
   bool in_span = false;
@@ -277,7 +277,8 @@ struct Round::Bordered {
   }
 };
 
-// Moves a solution onto the levels that cannot be negative, by an active set: x + H^-1 A' mu with mu >= 0.
+// Moves a solution to the bounds of levels that cannot be negative, by an active set: x + H^-1 A' mu with mu
+// >= 0.
 void Round::within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const {
   if (bounds_.rows() == 0) return;
   const MatrixXd A = bounds_(Eigen::all, s.columns);
@@ -401,7 +402,7 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
 
 namespace {
 
-// From residuals with their scales, and the block of every row; -1: the row does not count.
+// Gain between two residuals with their scales. The block of a row that does not count is -1.
 Gain gain_between(const MatrixXd& with, const VectorXd& with_scale, const MatrixXd& without, const VectorXd& without_scale,
                   const MatrixXd& used, const VectorXd& weight, const std::vector<int>& block, int count, double errors) {
   Gain out;
@@ -465,7 +466,7 @@ MatrixXd Round::covariance(const Subset& s, const Fitted& fit) const {
     for (Eigen::Index k = 0; k < r.size(); ++k) own.col(folds_.block[order_[k]]) += r[k] * X_[i].row(k).transpose();
     scores(acting_[i], Eigen::all) += own;
   }
-  // Blocks count beside the white information, which bounds the covariance from below.
+  // The scatter over blocks is added to the white information, which bounds the covariance from below.
   const MatrixXd half = s.all->solve(MatrixXd(scores(s.columns, Eigen::all)));
   const double few = folds_.blocks / std::max(1.0, folds_.blocks - 1.0);
   MatrixXd out = few * half * half.transpose();

@@ -39,8 +39,8 @@ class Search {
   SearchResult run() {
     if (!at_.is_empty()) {
       begin_with_friction();
-      // A curve can do what any name on its joint does: names come first, then curves beside them, or in the place of all
-      // names of a joint.
+      // A curve can imitate any named cause on its joint: named terms come first, then curves next to them,
+      // or in place of all named terms of a joint.
       int round = 0;
       const int most = kRounds + request_.most;
       const auto has_room = [&] { return static_cast<int>(at_.terms.size()) < request_.most && round < most; };
@@ -50,14 +50,14 @@ class Search {
           if (!add(false)) break;
           exchange();
         }
-      } while (clean() && has_room());
+      } while (drop_failing() && has_room());
       const size_t with_curves = static_cast<size_t>(request_.most + at_.rows().joints());
       while (request_.scope.wanted.empty() && at_.terms.size() < with_curves && add(true)) {
-        if (at_.terms.back().term.kind == TermKind::kCurve) stand_for_names();
+        if (at_.terms.back().term.kind == TermKind::kCurve) replace_names_by_curve();
       }
-      clean();
+      drop_failing();
     }
-    // Values of the last set.
+    // Computes the values for the last set.
     for (size_t k = 0; k < at_.terms.size(); ++k) {
       if (at_.terms[k].term.is_linearised()) at_.linearise(k);
     }
@@ -68,12 +68,12 @@ class Search {
   }
 
  private:
-  // Curves, and effects that imitate many others unless the user names them, can reproduce the torque of any named cause:
-  // they are compared after all others.
-  bool comes_late(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
+  // Curves can imitate any named cause, and so can effects that imitate many others: they are compared after
+  // all others, unless the user names them.
+  bool is_compared_last(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
 
   // A refuted term is not compared again.
-  bool is_name(const Term& t) const { return !comes_late(t) && aside_.count(t.place) == 0; }
+  bool is_name(const Term& t) const { return !is_compared_last(t) && aside_.count(t.place) == 0; }
 
   static bool makes_worse(const Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
@@ -84,22 +84,22 @@ class Search {
 
   bool passes(const Gain& g, const Term& t) const {
     const bool helps_its_joint = !t.joint || g.of_joint[t.joint->value] > 0.0;
-    // Against a MODEL its own numbers may move at a cost. A change or a load that takes their place saves this cost, even where
-    // the error stays the same.
+    // A MODEL's own parameters may move at a cost. A change or a load that moves in their place saves this
+    // cost, even if the error stays the same.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
     const bool matters = (g.share >= kSmallest && helps_its_joint) || (moves_as_model && g.prior > t.price + 0.5 * kErrors * kErrors);
     const double odds = at_.is_repeated() ? 0.0 : kOdds;
     return g.sum > t.price + odds && g.sum > g.limit && matters;
   }
 
-  // Adds the term that lowers the score most; false if none passes.
+  // Adds the term that lowers the score most; false if none passes the tests.
   bool add(bool curves) {
     const Round now = at_.round();
     const Subset s = now.subset(at_.all_but({}));
     const Fitted fit = now.evaluate(s);
     const bool has_room = std::count_if(at_.terms.begin(), at_.terms.end(), [](const Chosen& c) { return c.term.kind != TermKind::kCurve; }) < request_.most;
     const auto may_enter = [&](const Term& t) {
-      return !at_.is_chosen(t) && aside_.count(t.place) == 0 && comes_late(t) == curves && (has_room || t.kind == TermKind::kCurve);
+      return !at_.is_chosen(t) && aside_.count(t.place) == 0 && is_compared_last(t) == curves && (has_room || t.kind == TermKind::kCurve);
     };
     std::vector<Beside> all = options_.dictionary(now, may_enter);
     if (!curves) append(options_.ripples(now, fit.residual), all);
@@ -121,8 +121,8 @@ class Search {
     return false;
   }
 
-  // Friction that a file does not have is asked about on all joints together: one at a time, the first one's would be
-  // fitted to what the others leave, and be mistaken for a power law.
+  // Friction that the file does not have is added on all joints at once. If joints came one by one, the first
+  // friction would also be fitted to the others' residual, and resemble a power law.
   void begin_with_friction() {
     for (const Term& t : at_.dictionary()) {
       if (t.kind != TermKind::kEffect || !t.joint || request_.without_friction.count(t.joint->value) == 0) continue;
@@ -148,7 +148,8 @@ class Search {
     if (o.term.is_linearised()) at_.linearise(at_.terms.size() - 1);
   }
 
-  // Compares each chosen term with its removal, with every other term in its place, and two terms with one.
+  // Compares each chosen term with its removal, with every other term in its place, and pairs of terms with
+  // one.
   void exchange() {
     for (int turn = 0; turn < kTurns && !at_.terms.empty(); ++turn) {
       if (!exchange_once()) return;
@@ -178,7 +179,7 @@ class Search {
       for (Option& o : options) {
         if (o.value + at_.price_of(rest) >= value - kBetter) break;
         const Gain g = now.gain(o.fit, full);
-        // A dearer name replaces a cheaper one only by the same margins as a term is added.
+        // A more expensive term replaces a cheaper one only by the margins that an added term needs.
         if (o.term.price > at_.terms[k].term.price + kGramRidge && g.sum < g.limit) continue;
         if (!passes(now.gain(o.fit, without), o.term)) continue;
         const bool same = same_place(o.term, at_.terms[k].term);
@@ -203,7 +204,7 @@ class Search {
     return whole_arm();
   }
 
-  // Groups of terms that one other term may replace: two of a joint, and all of a joint.
+  // Groups of terms that one other term may replace: any two of a joint, and all of a joint.
   std::vector<std::set<size_t>> groups() const {
     std::set<std::set<size_t>> out;
     std::map<int, std::set<size_t>> of_joint;
@@ -221,8 +222,9 @@ class Search {
     return {out.begin(), out.end()};
   }
 
-  // The curve that was added last replaces all names of its joint where they gain less than half of what it gains alone.
-  void stand_for_names() {
+  // Lets the curve that was added last replace all named terms of its joint, if these gain less than half of
+  // what the curve gains alone.
+  void replace_names_by_curve() {
     const size_t last = at_.terms.size() - 1;
     std::set<size_t> names;
     for (size_t k = 0; k < last; ++k) {
@@ -248,7 +250,8 @@ class Search {
     at_.terms = std::move(kept);
   }
 
-  // All terms of several joints against one of several joints, linearised anew; what then is of no use goes.
+  // Compares all terms on several joints with a single term that acts on several joints, linearised again;
+  // drops terms that are then superfluous.
   bool whole_arm() {
     const size_t own = std::count_if(at_.terms.begin(), at_.terms.end(), [](const Chosen& c) { return c.term.joint.has_value(); });
     if (own < 2) return false;
@@ -298,7 +301,7 @@ class Search {
     return a == b;
   }
 
-  // Takes terms out, the one of least use first, as long as the score falls.
+  // Removes terms, the one with the smallest gain first, as long as the score decreases.
   void drop_superfluous() {
     while (!at_.terms.empty()) {
       const Round now = at_.round();
@@ -323,14 +326,14 @@ class Search {
     return on_test.of_joint.size() > 0 && on_test.sum < on_test.limit;
   }
 
-  // Share of the held-out recordings that curves predict beside the requested causes.
+  // Share of the held-out recordings' mean square that curves predict in addition to the requested causes.
   VectorXd predicted_by_curves() {
     if (request_.scope.wanted.empty() || at_.is_empty()) return {};
     const auto left = [&] {
       const Round now = at_.round();
       const std::vector<int> all = at_.all_but({});
       const Fitted fit = now.evaluate(now.subset(all));
-      return request_.test.empty() ? fit.residual : at_.left_on_test(fit.x, all);
+      return request_.test.empty() ? fit.residual : at_.test_residual_of(fit.x, all);
     };
     const Present::State state = at_.kept();
     const size_t names = state.terms.size();
@@ -353,8 +356,9 @@ class Search {
     return !is_load(x.segment(first, count), deviations.segment(first, count), student_t_quantile(numerics::kOutside, blocks));
   }
 
-  // Drops terms that do not pass beside all others, the weakest first; a term dropped twice is not tried again. True if any was dropped.
-  bool clean() {
+  // Drops terms that do not pass the tests next to all others, the weakest first; a term dropped twice is not
+  // tried again. True if any was dropped.
+  bool drop_failing() {
     bool any = false;
     while (!at_.terms.empty()) {
       const Round now = at_.round();

@@ -15,18 +15,18 @@ struct Chosen {
   Term term;
   Columns columns;
   VectorXd ridge;
-  std::vector<double> offset;                 ///< of a linearised term: its present value in the arm
-  std::optional<Eigen::Vector3d> gravity;     ///< of a direction of gravity: the arm's present one
-  double gain = 0.0, error = 0.0;             ///< beside all others, without its price
-  VectorXd of_joint;                          ///< (n) the same of every joint
-  VectorXd values, deviations;                ///< of its columns; of a linearised term with its offset
-  MatrixXd covariance;                        ///< of its columns
-  std::vector<double> shape_deviations;       ///< of each shape; NaN where it is not known
-  VectorXd folds_before, folds_after;         ///< (n) relative error held out, without and with it
+  std::vector<double> offset;                 ///< present value of a linearised term in the arm
+  std::optional<Eigen::Vector3d> gravity;     ///< present gravity of the arm, for a direction of gravity
+  double gain = 0.0, error = 0.0;             ///< next to all other terms, without the price
+  VectorXd of_joint;                          ///< (n) the gain on every joint
+  VectorXd values, deviations;                ///< values of its columns; those of a linearised term include its offset
+  MatrixXd covariance;                        ///< covariance of its values
+  std::vector<double> shape_deviations;       ///< standard deviation of each shape constant; NaN where it is unknown
+  VectorXd folds_before, folds_after;         ///< (n) relative held-out error without and with it
   struct RivalTerm {
     Term term;
-    double loss = 0.0;  ///< by how much the score is worse with it in place
-    double gain = 0.0;  ///< of it in place
+    double loss = 0.0;  ///< increase of the score with this term in place of the chosen one
+    double gain = 0.0;  ///< gain of this term in place of the chosen one
   };
   std::vector<RivalTerm> rivals;
 };
@@ -40,20 +40,21 @@ struct Refused {
 };
 
 struct SearchResult {
-  std::vector<Chosen> chosen;         ///< those with names first, in the order of their gain
-  std::shared_ptr<const Rows> rows;   ///< at the arm with all corrections
+  std::vector<Chosen> chosen;         ///< terms with names first, in the order of their gain
+  std::shared_ptr<const Rows> rows;   ///< rows for the arm with all corrections
   Folds folds;
   MatrixXd residual;                  ///< (rows x n) held out, with all terms
-  MatrixXd fitted;                    ///< (rows x n) the same of the fit to all rows
-  VectorXd scale;                     ///< (n) of the residual
-  MatrixXd weights;                   ///< (rows x n) of the Student-t loss
-  VectorXd values;                    ///< standard parameters of the arm beside the terms
-  /// (terms + 1) x n: rms of what the first so many terms leave of the held-out recordings, fitted to all training rows; against
-  /// a MODEL with the values of the whole set.
+  MatrixXd fitted;                    ///< (rows x n) the same for the fit to all rows
+  VectorXd scale;                     ///< (n) scale of the residual
+  MatrixXd weights;                   ///< (rows x n) weights of the Student-t loss
+  VectorXd values;                    ///< standard parameters of the arm, fitted together with the terms
+  /// ((terms + 1) x n) rms residual of the held-out recordings with the first 0, 1, 2, ... terms, fitted to
+  /// all training rows; for a MODEL with the base values of the whole set.
   MatrixXd test_error;
-  std::shared_ptr<const Rows> test;   ///< their rows, null without any
+  std::shared_ptr<const Rows> test;   ///< rows of the held-out recordings, null if there are none
   MatrixXd test_residual;             ///< (rows x n) with all terms
-  /// (n) share of the mean square that curves predict where not all causes were asked about; -1: none does. Empty: all were.
+  /// (n) share of the mean square that curves predict if not all causes are tested; -1: no curve predicts
+  /// any. Empty: all are tested.
   VectorXd unasked;
   std::vector<Refused> refused;
   int asked = 0;
@@ -67,20 +68,22 @@ struct SearchRequest {
   PreprocessingOptions preprocessing;
   std::vector<std::string> test;  ///< held-out recordings, on which errors are measured
   PreprocessingOptions test_preprocessing;
-  /// Joints without friction in the robot file: plain friction is in the first set, and goes where it is of no use.
+  /// Joints without friction in the robot file: the first set contains plain friction there, which is dropped
+  /// if superfluous.
   std::set<int> without_friction;
   int most = 20;
   int threads = 0;
   std::function<void(int, int)> progress{};
 };
 
-/// Explains the residual of an arm with values on its recordings by the terms of one dictionary.
+/// Explains the residual of an arm with values on its recordings by terms of one dictionary.
 SearchResult search(const Model& arm, const SearchRequest& request);
 
-/// False for a load (m, m c, ...) of which the intervals of its mass and of the moment that torques see hold zero.
+/// False for a load (m, m c, ...) if the intervals of its mass and of all its determined moments contain
+/// zero.
 bool is_load(const VectorXd& values, const VectorXd& deviations, double quantile);
 
-/// The arm with the linearised terms of a set.
+/// The arm with the linearised terms of a set applied.
 Model corrected(const Model& arm, const std::vector<Chosen>& chosen);
 
 }  // namespace veridyn::search

@@ -34,8 +34,8 @@ Curve curve_of(const UnnamedShape& shape, size_t first, size_t count) {
   return c;
 }
 
-// Largest deviation from the straight line through the curve, as a share of its range.
-double bend(const Curve& c) {
+// Largest deviation of the curve from a straight line, as a share of its range.
+double deviation_from_line(const Curve& c) {
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   const auto n = static_cast<double>(c.x.size());
   for (size_t k = 0; k < c.x.size(); ++k) {
@@ -52,7 +52,7 @@ double bend(const Curve& c) {
   return most / std::max(c.range(), numerics::kTiny);
 }
 
-// Turns between rising and falling by more than a share of the range.
+// Number of turns between rising and falling by more than a share of the range.
 int turns(const Curve& c) {
   int count = 0;
   double extreme = c.y.front();
@@ -73,7 +73,7 @@ int turns(const Curve& c) {
   return count;
 }
 
-// The part of the travel, from one end, in which the curve keeps within a share of its range.
+// Number of points, from one end, over which the curve stays within a share of its range.
 size_t flat_from(const Curve& c, bool from_left) {
   const size_t n = c.y.size();
   const double start = from_left ? c.y.front() : c.y.back();
@@ -111,7 +111,7 @@ std::string place(double x, const std::string& unit) {
   return fmt::format("{:.3g} {}", x, unit);
 }
 
-// Describes one function of one signal.
+// Describes a function of one signal.
 std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::string& effort) {
   const std::string size = fmt::format(", {:.3g} {} from its lowest to its highest value", c.range(), effort);
   if (c.range() <= 0.0) return "none";
@@ -123,7 +123,7 @@ std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::str
                             : even > kShapeMost * (odd + even)              ? "even, "
                                                                             : "";
   if (s.kind == SignalKind::kHistory) return sides + "with a memory: it changes with the way since a reversal" + size;
-  if (bend(c) < 0.5 * kShapeFlat) return sides + "a straight line" + size;
+  if (deviation_from_line(c) < 0.5 * kShapeFlat) return sides + "a straight line" + size;
   if (turns(c) >= 3) return "periodic: it turns " + std::to_string(turns(c)) + " times" + size;
   const size_t n = c.y.size();
   const size_t left = flat_from(c, true);
@@ -132,7 +132,7 @@ std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::str
     return "one-sided: nothing below " + place(c.x[std::min(left, n - 1)], s.unit) + size;
   if (2 * right >= n && turns(c) == 0)
     return "one-sided: nothing above " + place(c.x[n - 1 - std::min(right, n - 1)], s.unit) + size;
-  // A straight line keeps within that share of its range over the same share of its length.
+  // A straight line stays within the share of_line of its range over the same share of its length.
   const double of_line = kShapeFlat * static_cast<double>(n);
   if (turns(c) == 0 && static_cast<double>(std::min(left, right)) > of_line)
     return sides + "saturating: flat towards both ends" + size;

@@ -24,7 +24,7 @@ double code(TableSignal signal) {
   return static_cast<double>(signal);
 }
 
-// The curve's value at a place of the first signal, by straight lines; of the b-th of several curves.
+// Value at x of the b-th of several curves over the first signal, by linear interpolation.
 double value_at(const UnnamedShape& shape, size_t first, size_t count, double x) {
   const auto at = [&](size_t k) { return shape.curve[first + k].at.front(); };
   size_t k = 1;
@@ -64,7 +64,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
     add(0, shape.curve.size(), out);
     return out;
   }
-  // Joints of two other signals: one `from` holds only one of them.
+  // For joints of two other signals one `from` is not sufficient.
   if (of[0].joint != joint.value && of[1].joint != joint.value && of[0].joint != of[1].joint) return {};
   size_t row = 1;
   while (row < shape.curve.size() && shape.curve[row].at[1] == shape.curve.front().at[1]) ++row;
@@ -83,7 +83,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
       values["width"] = (shape.curve.back().at[1] - shape.curve.front().at[1]) / static_cast<double>(windows - 1);
     }
   }
-  if (!shape.on_sides) {  // what every window's table leaves to its middle: a function of the second
+  if (!shape.on_sides) {  // the table of every window, minus its mean over the first signal: a function of the second
     UnnamedShape across;
     for (size_t r = 0; r < rows; ++r) {
       CurvePoint p = shape.curve[r * row + row / 2];

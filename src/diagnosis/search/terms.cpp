@@ -35,7 +35,7 @@ std::vector<Range> ranges_of(const Rows& rows) {
   return out;
 }
 
-// Prices without the part that all have in common.
+// Price without the part that all effects have in common.
 double odds_of(const Effect& effect) {
   const EffectTraits traits = effect.traits();
   if (effect.imitates_others()) return kImitator;
@@ -61,7 +61,7 @@ class Builder {
     }
     if (scope_.constants) add_constants();
     add_curves();
-    // The priors of all places sum to one.
+    // The prior probabilities of all places sum to one.
     std::map<std::string, double> least;
     for (const Term& t : out_) {
       const auto [at, is_new] = least.emplace(t.place, t.price);
@@ -95,7 +95,7 @@ class Builder {
       m.travel += std::abs(c) * range_[i].travel();
       m.speed += std::abs(c) * range_[i].speed;
     }
-    m.waves.emplace();  // the spectrum of the residual proposes them, see ripples()
+    m.waves.emplace();  // the spectrum of the residual suggests them, see ripples()
     return m;
   }
 
@@ -144,7 +144,7 @@ class Builder {
       out_.push_back(std::move(t));
       return;
     }
-    // Against a MODEL no other parameter represents a spring's rest position.
+    // For a MODEL no other parameter represents a spring's rest position.
     const EffectTraits traits = effect.traits();
     t.with_rest = scope_.changes && traits.affine && traits.holds_at_rest && (traits.uses_position || traits.uses_source);
     const AxisMotion motion = motion_along(c.axis);
@@ -164,7 +164,7 @@ class Builder {
     return count > 1;
   }
 
-  // The range of each constant that is searched: to its neighbours in the grid.
+  // The range of each searched constant: up to its neighbours in the grid.
   static std::vector<TermShape> shapes_of(const Effect& effect, const AxisMotion& motion, const ShapeChoice& choice) {
     std::vector<TermShape> out;
     std::map<std::string, std::vector<double>> values;
@@ -280,7 +280,7 @@ class Builder {
   std::vector<Term> out_;
 };
 
-// The arm with a body on each frame of a load; its body comes last.
+// The arm with an added body on the frame of a load; the body is the last one.
 Model with_load(const Model& arm, FrameIndex frame) {
   ModelDescription d = arm.description();
   Frame load;
@@ -293,7 +293,7 @@ Model with_load(const Model& arm, FrameIndex frame) {
   return Model(std::move(d));
 }
 
-// d L / d (m, h) of a point mass at c: L is homogeneous of degree one in mass and moments.
+// dL / d(m, h) of a point mass at c: L is homogeneous of degree one in mass and moments.
 Eigen::Matrix<double, 10, 4> point_mass_tangent(const Eigen::Vector3d& c) {
   Eigen::Matrix<double, 10, 4> out = Eigen::Matrix<double, 10, 4>::Zero();
   out.topRows<4>().setIdentity();
@@ -312,7 +312,7 @@ Columns load_columns(const Term& term, const Rows& rows) {
   const Model arm = with_load(rows.arm(), *frame_of(term.cause));
   const TorqueRegressor batch(arm);
   const int body = static_cast<int>(arm.bodies().size()) - 1;
-  // Mass and moments of a point mass, and the remaining inertia.
+  // Tangent of mass and moments of a point mass, and the remaining inertia.
   Eigen::Matrix<double, 10, 10> tangent = Eigen::Matrix<double, 10, 10>::Identity();
   tangent.leftCols<4>() = point_mass_tangent(term.centre);
   Columns out;
@@ -355,7 +355,8 @@ Columns effect_columns(const Term& term, const Rows& rows) {
   return out;
 }
 
-// Columns on all joints from unfiltered ones along each stretch, (samples x n) for each parameter.
+// Columns on all joints, from the unfiltered ones (samples x n) that `along` computes for each parameter and
+// stretch.
 template <typename Along>
 Columns whole_columns(const Rows& rows, const std::vector<int>& joints, size_t parameters, const Along& along) {
   Columns out;

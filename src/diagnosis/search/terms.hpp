@@ -12,17 +12,17 @@
 
 namespace veridyn::search {
 
-/// Kind of a term: it determines its columns and the change of the arm by its finding.
+/// Kind of a term: determines its columns, and how its finding changes the arm.
 enum class TermKind {
   kEffect,    ///< an effect along an axis
-  kChange,    ///< of the level of an effect that the MODEL has
+  kChange,    ///< a change of the level of an effect that the MODEL has
   kChannel,   ///< an error of a recorded signal, or of the arm as a whole
-  kConstant,  ///< of the robot file
-  kLoad,      ///< on a frame, of either sign
+  kConstant,  ///< a constant of the robot file
+  kLoad,      ///< a load on a frame, with a mass of either sign
   kCurve,     ///< a smooth function of signals, without a name
 };
 
-/// A number of a term in which the torque is not linear, and where it is searched.
+/// A shape constant of a term, in which the torque is nonlinear, and the range of its search.
 struct TermShape {
   std::string name;
   double lower, upper;
@@ -44,35 +44,35 @@ struct Signal {
 /// One entry of the dictionary: a place, columns, perhaps a shape, and its prior cost.
 struct Term {
   TermKind kind = TermKind::kEffect;
-  Candidate candidate;       ///< of all but constants and curves
+  Candidate candidate;       ///< of all terms but constants and curves
   Cause cause;
   std::optional<JointIndex> joint;  ///< joint on which it acts; empty if it acts on several
-  std::string place;         ///< cause as text: terms with the same one differ in their shapes only
+  std::string place;         ///< cause as text: terms with the same place differ in their shapes only
   EffectTerm effect;         ///< with its shapes
   std::vector<TermShape> shapes;
   std::optional<FrameConstant> constant;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of a load, about which its inertia is that of a point
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centre of a load, about which its inertia is that of a point
   std::vector<Signal> signals;
   std::vector<SmoothBasis> bases;
-  double price = 0.0;        ///< ln 1/prior, with its grid and its polished numbers
-  bool with_rest = false;    ///< a constant more: the place at which it is without load
-  bool imitates = false;     ///< many other causes: see Effect::imitates_others()
+  double price = 0.0;        ///< ln 1/prior, with the prices of its grid and of its polished constants
+  bool with_rest = false;    ///< has one parameter more: the position at which it is without load
+  bool imitates = false;     ///< imitates many other causes, see Effect::imitates_others()
   std::vector<Level> nonnegative;  ///< parameters that cannot be negative
-  VectorXd largest;          ///< of each parameter, beyond which it is not plausible; empty: none
+  VectorXd largest;          ///< largest plausible size of each parameter; empty: unlimited
 
-  /// True if its columns are derivatives at the present arm.
+  /// True if its columns are derivatives for the present arm.
   bool is_linearised() const { return kind == TermKind::kChannel || kind == TermKind::kConstant; }
 };
 
-/// True if two terms are one cause with other shapes.
+/// True if two terms are the same cause with different shapes.
 bool same_place(const Term& a, const Term& b);
 
 /// The terms to test.
 struct TermScope {
   bool changes = false;
-  bool constants = true;            ///< of the robot file
+  bool constants = true;            ///< constants of the robot file
   std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
-  std::set<int> silent;             ///< joints without tests
+  std::set<int> silent;             ///< joints on which nothing is tested
 
   bool is_wanted(const Model& arm, const Cause& cause) const;
 };
@@ -83,13 +83,13 @@ double reach_of(const FrameConstant& constant);
 /// The dictionary of an arm, with prices.
 std::vector<Term> dictionary(const Rows& rows, const TermScope& scope);
 
-/// Ripples that the spectrum of a residual (rows x n) over the positions proposes.
+/// Ripples suggested by the spectrum of a residual (rows x n) over the positions.
 std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all);
 
-/// Columns at the rows, with the shapes and the present arm.
+/// Columns at the rows, for the term's shapes and the present arm.
 Columns columns_of(const Term& term, const Rows& rows);
 
-/// The arm with a step of a linearised term.
+/// The arm after a step of a linearised term.
 Model with_step(const Model& arm, const Term& term, const std::vector<double>& step);
 
 /// Values of a signal along a stretch.

@@ -34,13 +34,13 @@ double mean_square(const std::vector<double>& x) {
   return std::max(out, numerics::kTiny);
 }
 
-// Share of the mean square of a centred signal at one angular frequency.
+// Share that one angular frequency has in the mean square of a centred signal.
 double share_of_line(const std::vector<double>& time, const std::vector<double>& signal, double frequency) {
   const double amplitude = line_amplitudes(time, signal, frequency, 0.0, 1).front();
   return 0.5 * amplitude * amplitude / mean_square(signal);
 }
 
-// Angular frequency of the largest line of the training recordings; 0: none of them is long enough.
+// Angular frequency of the largest line in the training recordings; 0: none of them is long enough.
 double largest_line(const Identification& id, size_t joint) {
   double longest = 0.0, shortest = std::numeric_limits<double>::infinity(), highest = shortest;
   for (const RecordingError& r : id.train) {
@@ -64,7 +64,7 @@ double largest_line(const Identification& id, size_t joint) {
   }
   const size_t at = std::max_element(shares.begin(), shares.end()) - shares.begin();
   double top = static_cast<double>(at);
-  if (at > 0 && at + 1 < count) {  // of the parabola through three points
+  if (at > 0 && at + 1 < count) {  // maximum of the parabola through three points
     const double bend = shares[at - 1] - 2.0 * shares[at] + shares[at + 1];
     if (bend < 0.0) top += 0.5 * (shares[at - 1] - shares[at + 1]) / bend;
   }

@@ -13,7 +13,7 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 
-// Terms of the final set in words and numbers.
+// Words and numbers for the terms of the final set.
 
 namespace veridyn::search {
 namespace {
@@ -35,7 +35,8 @@ void describe_load(const Chosen& c, double t, Finding& f) {
   const FoundParameter mass = parameter("mass", "kg", z[0], t * c.deviations[0]);
   const bool is_heavy = mass.low > 0.0 || mass.high < 0.0;
   if (is_heavy) f.parameters.push_back(mass);
-  // Of its first moments those that torques see; the sign of what they see of its inertia says whether it was added.
+  // A load's first moments that the torques determine; the sign of their effect shows whether the load was
+  // added or removed.
   double half = 0.0, moment = 0.0;
   for (int k = 0; k < 3; ++k) {
     if (c.deviations[1 + k] < kSeen * kMassOfArm * kReach) {
@@ -93,7 +94,7 @@ void describe_effect(const Chosen& c, double t, const Model& before, Finding& f)
     const auto shapes = effect.shapes();
     const auto own = std::find_if(shapes.begin(), shapes.end(), [&](const EffectShape& s) { return s.name == shape.name; });
     FoundParameter p = parameter(shape.name, slides ? own->unit_prismatic : own->unit_revolute, value, std::isfinite(deviation) ? t * deviation : 0.0);
-    if (!std::isfinite(deviation)) {  // the score does not bend within the range of the search
+    if (!std::isfinite(deviation)) {  // the score has no curvature within the range of the search
       p.low = shape.lower;
       p.high = shape.upper;
     } else if (shape.logarithmic && deviation < value) {
@@ -121,7 +122,7 @@ void describe_channel(const Chosen& c, double t, const Model& before, Finding& f
   }
   const bool slides = !c.term.effect.axis.coefficients.isZero(0.0) && is_prismatic(before, c.term.effect.axis);
   const std::vector<EffectParameter> parameters = channel.parameters();
-  // Half a turn of a vertical gravity has no roll and pitch of its own.
+  // A vertical gravity that is turned by half a turn has no defined roll and pitch.
   const bool turned = c.gravity && std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; }) &&
                       (*c.gravity - before.gravity()).norm() > 0.5 * before.gravity().norm();
   const bool is_none = c.gravity && c.gravity->norm() < 0.5 * before.gravity().norm();
@@ -165,7 +166,7 @@ MotionSignal motion_signal(const Signal& s) {
   return out;
 }
 
-// A curve at points of its signals, its mean over the rows taken away, with a band.
+// Values of a curve at points of its signals, relative to its mean over the rows, with a band.
 void describe_curve(const Chosen& c, double t, const Model& before, Finding& f) {
   UnnamedShape shape;
   shape.effort = effort_unit(before.coordinates()[c.term.joint->value]);

@@ -82,8 +82,8 @@ Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
 Score reestimated(const std::deque<WhiteStep>& steps, const Score& score, double skipped,
                      const WatchNumbers& numbers);
 
-/// The best push that starts there and ends `still` seconds before the last step, or has not ended
-/// (still = 0).
+/// The best push with its onset between `earliest` and `latest`, which ends `still` seconds before the last
+/// step, or lasts until now (still = 0).
 /// @param offset_of_joint  (n) hypothesis of each joint's torque offset.
 /// @param price  gain required of each joint in each half second.
 Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offset_of_joint,

@@ -117,7 +117,7 @@ void SmoothedRows::mark_unusable(double time, const std::string& why) {
 
 // False for a row whose time does not rise, until the clock is known to have been set back, as by the start
 // of another controller.
-bool SmoothedRows::clock_goes_on(double time) {
+bool SmoothedRows::is_clock_continuous(double time) {
   if (!has_last_ || time > last_.t) {
     // Set back by less, it has caught up: rows on both sides are not contiguous.
     if (back_ > 0 && back_last_ - back_first_ >= numbers_.jump_reach) restart();
@@ -178,7 +178,7 @@ void SmoothedRows::add(const Recording& rows) {
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
     copy_row(rows, k, row);
-    if (!std::isfinite(row.t) || !clock_goes_on(row.t)) continue;
+    if (!std::isfinite(row.t) || !is_clock_continuous(row.t)) continue;
     if (const std::string why = fault(row); !why.empty()) {
       mark_unusable(row.t, why);
       continue;
@@ -201,7 +201,7 @@ void SmoothedRows::add(const Recording& rows) {
     slope_ = kernel.row(1) / dt_;
     curve_ = kernel.row(2) / (dt_ * dt_);
     for (const Row& one : start_) {
-      if (clock_goes_on(one.t)) place(one);
+      if (is_clock_continuous(one.t)) place(one);
     }
     start_.clear();
   }
@@ -288,7 +288,7 @@ void SmoothedRows::detect_jump() {
     const double least = std::max({numbers_.jump_deviations * spread, numbers_.jump_over_largest * largest_[j],
                                    numbers_.jump_of_way * gain.way, slides ? numbers_.smallest_jump_sliding : numbers_.smallest_jump_turning});
     jumping += std::abs(gain.size) > 0.5 * least ? 1 : 0;
-    if (tell_jumps_ && std::abs(gain.size) > least) {
+    if (detects_jumps_ && std::abs(gain.size) > least) {
       found.push_back({gain.at, j, gain.size, spread});
       continue;
     }

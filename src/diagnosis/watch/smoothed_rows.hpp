@@ -55,12 +55,11 @@ class SmoothedRows {
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
-  /// [s] of unusable rows so far, as reported by on_blind.
-  double last_row_time() const { return heard_; }  ///< [s] of the last row
+  double last_row_time() const { return heard_; }  ///< [s] of the last row, usable or not
   double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
 
   /// Enables the detection of jumps, once the noise of positions is known.
-  void enable_jump_detection() { tell_jumps_ = true; }
+  void enable_jump_detection() { detects_jumps_ = true; }
 
   /// Reports what waits for more rows, at the end.
   void finish() { report_jumps(heard_); }
@@ -79,7 +78,7 @@ class SmoothedRows {
   };
   std::string stuck_reason(Standing& standing, const char* signal, const VectorXd& value, const VectorXd& path, double time);
   bool moved() const;
-  bool clock_goes_on(double time);
+  bool is_clock_continuous(double time);
   void restart_clock(double time, double before);
   void mark_unusable(double time, const std::string& why);
   void mark_usable(double time);
@@ -100,7 +99,7 @@ class SmoothedRows {
   const WatchNumbers& numbers_;
   Model arm_;
   JointSensors sensors_;
-  bool has_velocity_ = false, tell_jumps_ = false;
+  bool has_velocity_ = false, detects_jumps_ = false;
   double dt_ = 0.0;
   std::deque<Row> start_;  // until the time step is known
   Row last_;

@@ -119,15 +119,15 @@ class Watch::Implementation {
     if (judged_) {
       watch(rows);
     } else if (rows.rows() > 0) {
-      unjudged_ = joined(unjudged_, rows);
-      if (duration_of(unjudged_.time) >= numbers_.judged * options_.learn && unjudged_.rows() >= numbers_.rows_for_step) judge_velocities();
+      unassessed_ = joined(unassessed_, rows);
+      if (duration_of(unassessed_.time) >= numbers_.judged * options_.learn && unassessed_.rows() >= numbers_.rows_for_step) assess_velocities();
     }
     note_blindness();
     return take_events();
   }
 
   std::vector<WatchEvent> finish() {
-    judge_velocities();
+    assess_velocities();
     rows_.finish();
     finder_.finish(now_);
     note_blindness();
@@ -151,24 +151,24 @@ class Watch::Implementation {
   }
 
   // Decides once whether recorded velocities are used, before the noise is learned.
-  void judge_velocities() {
+  void assess_velocities() {
     if (judged_) return;
     judged_ = true;
-    wrong_ = wrong_velocities(unjudged_);
+    wrong_ = wrong_velocities(unassessed_);
     remarks_ = remarks_on(wrong_, arm_);
-    if (unjudged_.rows() > 0) {
-      for (const QualityFinding& f : check_recording(unjudged_).findings) {
+    if (unassessed_.rows() > 0) {
+      for (const QualityFinding& f : check_recording(unassessed_).findings) {
         if (f.severity == Severity::kFault && f.finding == "time_unit") remarks_.push_back(f.sentence);
       }
     }
-    if (unjudged_.rows() > 0) watch(unjudged_);
-    unjudged_ = {};
+    if (unassessed_.rows() > 0) watch(unassessed_);
+    unassessed_ = {};
   }
 
   WatchNumbers numbers_;  // the parts below refer to it
   Model arm_;
   WatchOptions options_;
-  Recording unjudged_;  // first rows, until the velocities are judged
+  Recording unassessed_;  // first rows, until the velocities are judged
   bool judged_ = false;
   std::set<int> wrong_;  // joints, from 0, whose velocity is no derivative of the position
   std::vector<std::string> remarks_;

@@ -9,8 +9,8 @@
 
 namespace veridyn {
 
-/// Positions of points on frames, and their derivatives by q. Owns its workspace: one object serves
-/// one thread.
+/// Positions of points on frames, and their derivatives with respect to q. Owns its workspace: each thread
+/// needs its own object.
 class FramePoints {
  public:
   explicit FramePoints(const Model& arm);
@@ -18,11 +18,11 @@ class FramePoints {
   /// Computes the poses of all frames at q.
   void move_to(const VectorXd& q);
 
-  /// A point of a frame in the world, and its derivative by q; no frame: the world.
+  /// A point of a frame in the world, and its derivative with respect to q; nullopt: a point of the world.
   Eigen::Vector3d point(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const;
   MatrixXd point_slope(std::optional<FrameIndex> frame, const Eigen::Vector3d& in_frame) const;
 
-  /// The frame's z axis in the world, and its derivative by q.
+  /// The frame's z axis in the world, and its derivative with respect to q.
   Eigen::Vector3d z_axis(std::optional<FrameIndex> frame) const;
   MatrixXd z_axis_slope(std::optional<FrameIndex> frame) const;
 

@@ -22,17 +22,17 @@ struct LimitSignal {
   double scale;  ///< normalisation for comparing margins of different units
 };
 
-/// Share of torque limits: a supervisor stops an arm whose motors saturate, and friction is unknown
-/// as yet.
+/// Share of torque limits that is used: a supervisor stops an arm whose motors saturate, and friction is not
+/// known yet.
 constexpr double kTorqueOfSupervisor = 0.95;
 
 /// All bounded quantities as signals along a motion. Signals 0 .. 3 n - 1 are q, dq, ddq
 /// themselves.
 class LimitSignals {
  public:
-  /// @param powered  the arm with values, where torques are limited; its efforts are the bounds.
-  /// @param braking  [1/s] above zero: the position after braking, q + dq / braking, must stay
-  /// within the range as well.
+  /// @param powered  the arm with values, if torques are limited; its efforts are the bounds.
+  /// @param braking  [1/s] if above zero, the position after braking, q + dq / braking, must be within the
+  /// range as well.
   /// @throws InvalidInput  an unknown frame, bounds in the wrong order, no values.
   LimitSignals(const Model& arm, const MotionLimits& joints, const WorkspaceLimits& workspace,
                const std::optional<Model>& powered, double braking = 0.0);
@@ -41,11 +41,11 @@ class LimitSignals {
   int joints() const { return joints_; }
   const LimitSignal& operator[](int k) const { return signals_[k]; }
 
-  /// Signals after q, dq, ddq, (rows x count() - 3 n).
+  /// All signals after q, dq, ddq: (rows x count() - 3 n).
   MatrixXd values(const MotionSamples& motion) const;
 
-  /// Their derivatives by q, dq, ddq of the same row: one matrix (rows x 3 n) per signal. The
-  /// dependence on earlier rows through memories is neglected.
+  /// Their derivatives with respect to q, dq, ddq of the same row: one matrix (rows x 3 n) for each signal.
+  /// The dependence on earlier rows through memories is neglected.
   std::vector<MatrixXd> slopes(const MotionSamples& motion) const;
 
  private:
@@ -82,7 +82,7 @@ class LimitSignals {
   std::vector<std::shared_ptr<const ColumnSource>> effects_;
   std::vector<VectorXd> effect_values_;
   std::vector<Geometry> geometries_;
-  std::vector<LinkGap> gaps_;  // after the other geometric signals
+  std::vector<LinkGap> gaps_;  // come after the other geometric signals
 };
 
 }  // namespace veridyn

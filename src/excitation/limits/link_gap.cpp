@@ -11,20 +11,20 @@
 namespace veridyn {
 namespace {
 
-constexpr int kPostures = 1000;        // random ones, to find links that always touch
-// A pair that touches in more of them is taken for two parts of one joint: joined links overlap
-// in all postures, while links that the joints can bring together do so in some.
+constexpr int kPostures = 1000;        // number of random postures to find links that always touch
+// Share of postures above which a touching pair counts as two parts of one joint: links that a joint connects
+// overlap in all postures, others only in some.
 constexpr double kTouchesAlways = 0.9;
-constexpr double kStands = 1e-9;       // [m] change of a gap that no joint changes, by rounding
-constexpr int kSections = 60;          // of the search along a capsule's axis; each leaves 0.618 of it
+constexpr double kStands = 1e-9;       // [m] change of a gap by rounding, on which no joint acts
+constexpr int kSections = 60;          // steps of the search along a capsule's axis; each reduces the interval to 0.618 of its length
 constexpr double kGoldenSection = 0.6180339887498949;
 
 double within_one(double share) {
   return std::clamp(share, 0.0, 1.0);
 }
 
-// Shares s, t along two segments at which these are nearest. The squared distance is convex, so that
-// its least value is at the stationary point or on an edge of the square 0 .. 1.
+// Shares s, t along two segments at which they are closest. The squared distance is convex, so that its
+// minimum is at the stationary point or on an edge of the square [0, 1] x [0, 1].
 std::pair<double, double> nearest_shares(const Eigen::Vector3d& a, const Eigen::Vector3d& along_a,
                                          const Eigen::Vector3d& b, const Eigen::Vector3d& along_b) {
   const Eigen::Vector3d apart = a - b;
@@ -46,7 +46,7 @@ std::pair<double, double> nearest_shares(const Eigen::Vector3d& a, const Eigen::
                            [&](const auto& x, const auto& y) { return distance(x) < distance(y); });
 }
 
-// Distance of a point from a box, negative inside, and the direction in which it grows.
+// Distance of a point from a box, negative inside, and the direction in which it increases.
 double distance_to_box(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* direction) {
   const Eigen::Vector3d below = box.lower - p, above = p - box.upper;
   const Eigen::Vector3d beyond = below.cwiseMax(above);
@@ -99,7 +99,8 @@ bool joined_by_one_joint(const Model& arm, std::optional<FrameIndex> a, std::opt
   return hangs_on(a, b) || hangs_on(b, a);
 }
 
-// A link that turns on its mount: the obstacle reaches into the round end of a capsule, not to its axis.
+// True for a link that turns on its mount: the obstacle overlaps the round end of its capsule, but not the
+// axis.
 bool touches_mount(const CollisionPair& pair, double gap) {
   double thinnest = kInfinity;
   for (const Capsule& capsule : pair.capsules) thinnest = std::min(thinnest, capsule.radius);
@@ -135,7 +136,7 @@ LinkGap::Nearest LinkGap::nearest(const FramePoints& at) const {
     const Eigen::Vector3d from = at.point(a.frame, a.from);
     const Eigen::Vector3d along = at.point(a.frame, a.to) - from;
     if (obstacle_) {
-      // The distance from a convex body is convex along the axis: a golden section finds its least value.
+      // The distance from a convex body is convex along the axis: a golden section finds its minimum.
       double low = 0.0, high = 1.0;
       for (int k = 0; k < kSections && along.squaredNorm() > 0.0; ++k) {
         const double left = high - kGoldenSection * (high - low), right = low + kGoldenSection * (high - low);
@@ -197,7 +198,7 @@ CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& s
   out.obstacles = obstacles;
   for (size_t p = 0; p < asked.size(); ++p) {
     const std::string name = asked[p].first + " and " + asked[p].second;
-    const bool still = largest[p] - least[p] < kStands;  // no joint moves the one against the other
+    const bool still = largest[p] - least[p] < kStands;  // no joint moves one of the two relative to the other
     if (asked[p].obstacle ? still && touches_mount(asked[p], largest[p]) : touches[p] > kTouchesAlways * kPostures) {
       out.touching.push_back(name);
       continue;

@@ -15,7 +15,7 @@ class LinkGap {
   /// @throws InvalidInput  a capsule on an unknown frame.
   LinkGap(const Model& arm, const CollisionPair& pair);
 
-  /// Where the two are nearest: points on the axes of their capsules.
+  /// The closest points of the two, on the axes of their capsules.
   struct Nearest {
     double gap = 0.0;
     Eigen::Vector3d direction{0, 0, 0};  ///< in the world, from the second to the first; of norm one

@@ -15,10 +15,10 @@
 namespace veridyn {
 namespace {
 
-// Squared; the resolution of a Gram matrix's eigenvalues.
+// Largest squared condition number: the resolution of a Gram matrix's eigenvalues.
 constexpr double kLargestCondition2 = 1e14;
 
-constexpr double kNoPart = 1e-9;  // share of a standard parameter in a base parameter
+constexpr double kNoPart = 1e-9;  // smallest share of a standard parameter in a base parameter
 
 }  // namespace
 

@@ -35,11 +35,11 @@ class BaseRegressor {
   /// the rows in order.
   MatrixXd gram(const MotionSamples& motion) const;
 
-  /// The derivatives of a function of the Gram matrix by the q, dq and ddq of every row, (rows x 3
-  /// n). Bodies by dual numbers; effects, which are functions of a few numbers per sample, by
-  /// differences of fourth order. Effects with memory by an adjoint pass.
+  /// Derivatives of a function of the Gram matrix with respect to q, dq and ddq of every row, (rows x 3 n).
+  /// Bodies by dual numbers; effects, which are functions of a few numbers per sample, by differences of
+  /// fourth order; effects with memory by an adjoint pass.
   ///
-  /// @param by_gram  (size x size), symmetric: the function's derivative by the Gram matrix.
+  /// @param by_gram  (size x size), symmetric: derivative of the function with respect to the Gram matrix.
   MatrixXd gradient(const MotionSamples& motion, const MatrixXd& by_gram) const;
 
   /// The norm of every base column over the random states: a scaling that does not depend on the
@@ -53,8 +53,7 @@ class BaseRegressor {
   /// W, (rows n x size), the rows of joint 1 first.
   MatrixXd stacked(const MotionSamples& motion) const;
 
-  /// Indices of the standard parameters that lead the base parameters, among those of the bodies,
-  /// ten each, and of the effects.
+  /// Indices of the leading standard parameters, among those of the bodies, ten each, and of the effects.
   const std::vector<int>& base() const { return base_; }
 
   /// K, (size x standard parameters): the base parameters are K times the standard ones.
@@ -66,7 +65,7 @@ class BaseRegressor {
  private:
   std::shared_ptr<const StackedColumns> columns_;
   VectorXd ones_;
-  std::vector<int> base_;  // base columns, in the order of preference
+  std::vector<int> base_;  // base columns in the order of preference
   VectorXd scale_;
   MatrixXd orthogonal_;
   MatrixXd combination_;
@@ -79,9 +78,8 @@ double scaled_condition_number(const MatrixXd& gram);
 /// The same with unscaled columns.
 double plain_condition_number(const MatrixXd& gram);
 
-/// ln det of the Gram matrix after dividing its columns by `scale`: its negative is twice the
-/// logarithm of the confidence ellipsoid's volume, up to a constant. Minus infinity where a
-/// parameter is not identifiable.
+/// ln det of the Gram matrix after dividing its columns by `scale`: minus twice the logarithm of the
+/// confidence ellipsoid's volume, up to a constant. Minus infinity if a parameter is not identifiable.
 double log_determinant(const MatrixXd& gram, const VectorXd& scale);
 
 }  // namespace veridyn

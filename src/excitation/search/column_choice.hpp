@@ -8,9 +8,9 @@ namespace veridyn {
 
 constexpr double kIndependent = 1e-6;
 
-/// Columns of W that span all of them, by pivoting: the column with the largest remainder is taken
-/// next (columns scaled to norm one), the first in the given order among equals.
-/// @param taken  columns assumed chosen already; not part of the result.
+/// Columns of W that span all of them, by pivoting: the next column is the one with the largest remainder
+/// (columns scaled to norm one), among equals the first in the given order.
+/// @param taken  columns that are already chosen; not part of the result.
 /// @param least  smallest remainder of a column of norm one; below 1e-6 it is rounding.
 std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& order,
                                      const std::vector<int>& taken = {},

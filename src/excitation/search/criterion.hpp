@@ -32,8 +32,8 @@ SmoothValue smooth_d_optimality(const MatrixXd& gram, const VectorXd& scale);
 /// Columns of two causes A and B after the nuisance columns.
 struct RivalColumns {
   int nuisance = 0;
-  /// One entry for each of A's columns: the size of its parameter. All zero where nuisance columns
-  /// and B explain A completely, so that A alone cannot be identified.
+  /// One entry for each of A's columns: the size of its parameter. All zero if nuisance columns and B explain
+  /// A completely, so that A is not identifiable on its own.
   VectorXd first;
   VectorXd second;  ///< the same for B, whose columns are the last
 };
@@ -48,14 +48,14 @@ struct RivalLeft {
   MatrixXd left_by_gram, alone_by_gram;
 };
 
-/// Values of A and of B.
+/// Remainders of A and of B.
 std::pair<RivalLeft, RivalLeft> rival_remainders(const MatrixXd& gram, const VectorXd& scale,
                                             const RivalColumns& rivals);
 
-/// Mean over the identifiable causes of - 1/2 ln(left) + 1/4 ln(alone): half rewards the torque
-/// that distinguishes a cause from the other one (T-optimality: Atkinson and Fedorov, Biometrika
-/// 62(1), 1975), half its share of the whole. The share counts because a diagnosis calls two causes
-/// confounded when one gains nearly as much as the other, however large both are.
+/// Mean over the identifiable causes of - 1/2 ln(left) + 1/4 ln(alone): one half is the torque that
+/// distinguishes a cause from the other one (T-optimality: Atkinson and Fedorov, Biometrika 62(1), 1975), the
+/// other half its share of the cause's torque. The share counts because a diagnosis cannot separate two
+/// causes if one gains nearly as much as the other, however large both are.
 SmoothValue smooth_discrimination(const MatrixXd& gram, const VectorXd& scale,
                                   const RivalColumns& rivals);
 

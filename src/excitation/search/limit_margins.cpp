@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kInstantsPerWave = 64;
 
-// Range of a signal, widened by its curvature between instants. The ends of a signal that does not
-// repeat are constant.
+// Range of a signal, widened by its curvature between instants. A signal that does not repeat is constant
+// before its first and after its last sample.
 std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   const Eigen::Index rows = v.size();
   double low = v.minCoeff();
@@ -30,8 +30,7 @@ std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   return {low, high};
 }
 
-// Margins of every signal with a limit; `range` gives the smallest and the largest value of a
-// signal.
+// Margins of every signal with a limit; `range` computes the smallest and the largest value of a signal.
 template <typename Range>
 std::vector<LimitMargin> margins_of(const LimitSignals& signals, const Range& range) {
   std::vector<LimitMargin> out;

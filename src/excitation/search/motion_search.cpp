@@ -10,18 +10,18 @@
 namespace veridyn {
 namespace {
 
-constexpr int kDraws = 32;            // random motions of which the best starts a search
+constexpr int kDraws = 32;            // random motions, the best of which starts a search
 constexpr int kTrials = 16;           // random motions that start short descents
 constexpr int kTrialIterations = 30;  // each
 constexpr int kFollowed = 3;          // descents that are continued to the end
 constexpr int kCriterionInstantsPerWave = 24;  // instants of the shortest wave, for the criterion
-// And for the limits; violations between them are removed afterwards.
+// The same for the limits; violations between the instants are removed afterwards.
 constexpr int kLimitsPerWave = 14;
 static_assert(kStages == 2, "one for each sharpness");
-constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
+constexpr double kSharpness[] = {2.0, 16.0};  // successive values of the sharpness of the smooth condition number
 constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
-constexpr int kNarrowings = 5;                // rounds until limits hold between instants as well
-constexpr double kWide = 1.01;                // margin beyond a requested range, because bounds are fitted afterwards
+constexpr int kNarrowings = 5;                // rounds until the limits hold between the instants as well
+constexpr double kWide = 1.01;                // margin above a requested range, because bounds are adapted afterwards
 constexpr double kInside = 1e-7;              // share of a limit's scale, as a margin for rounding
 
 constexpr double kRoundingShare = 1e-12;  // share of a joint's limits that stays free
@@ -236,7 +236,7 @@ VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joi
                                Found& found) const {
   const int p = space_.per_joint();
   const int instants = kLimitsPerWave * space_.harmonics();
-  // A start with ranges as wanted, where speeds allow; the instants of its extremes are those of the spans.
+  // A start with the wanted ranges, if the speeds allow it; the spans use the instants of its extremes.
   VectorXd x = from;
   const MotionBounds bounds = space_.trajectory(from).bounds();
   Descent descent{kSharpness[0], options_.iterations};
@@ -250,7 +250,7 @@ VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joi
     samples.q.col(i).minCoeff(&span.low);
     descent.spans.push_back(span);
   }
-  // From the motion as it is, and from the widened one, which lies nearer to another optimum.
+  // Descends from the unchanged motion and from the widened one, which may lead to different optima.
   VectorXd best;
   for (const VectorXd& start : {from, fitted_to_joints(space_, x)}) {
     Bounds inside = allowed();
@@ -283,7 +283,7 @@ VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
                                    limits.acceleration[i] / bounds.acceleration[i]}) *
                          (1.0 - kRoundingShare);
     own.tail(p - 1) *= share;
-    // The range about the mean position shrinks with the motion.
+    // The range around the mean position decreases with the motion.
     const double mean = space.middle_of(i) + space.size_of(i) * own[0];
     const double low = share * (bounds.lower[i] - mean);
     const double high = share * (bounds.upper[i] - mean);

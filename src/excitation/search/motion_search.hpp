@@ -18,7 +18,7 @@ struct Found {
   bool converged = false;      ///< the last descent converged
   long evaluations = 0;
   VectorXd start;    ///< the first random motion
-  VectorXd nearest;  ///< the motion with the smallest violation, where none keeps the limits
+  VectorXd nearest;  ///< the motion with the smallest violation, if none is within the limits
 };
 
 /// The searches of one problem; each start is independent. Immutable: starts run in parallel.
@@ -33,8 +33,8 @@ class MotionSearch {
   /// Approximate number of iterations of one start, without repeated descents.
   static int expected_iterations(const ExcitationOptions& options);
 
-  /// A final descent on a close approximation of the condition number. Empty if it finds no motion
-  /// within the limits, and for other criteria.
+  /// A final descent on a close approximation of the condition number. Empty for other criteria, and if it
+  /// finds no motion within the limits.
   VectorXd polished(const VectorXd& from, int start, Found& found) const;
 
   /// The best motion near `from` in which each of the joints uses kLittleUse of its range within `limits`.
@@ -76,12 +76,12 @@ class MotionSearch {
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options,
                                const NonlinearSolver& solver);
 
-/// The nearest motion of the same shape within the ranges, speeds and accelerations of the space:
-/// joints that exceed one are scaled down and shifted.
+/// The motion of the same shape within the ranges, speeds and accelerations of the space: joints that exceed
+/// one of them are scaled down and shifted.
 VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x);
 
-/// Range and margin of every limit along a motion, between instants as well: joints by rigorous
-/// bounds, others by their curvature at 64 instants per shortest wave.
+/// Range and margin of every limit along a motion, between instants as well: for joints by rigorous bounds,
+/// for others by their curvature at 64 instants of the shortest period.
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
                                        const FourierTrajectory& trajectory);
 

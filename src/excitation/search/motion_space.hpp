@@ -34,15 +34,16 @@ class MotionSpace {
 
   MotionSamples samples(const Basis& basis, const VectorXd& x) const;
 
-  /// Chain rule: derivatives by x of a function with derivatives `slopes` by the samples, (rows x 3
-  /// n).
+  /// Chain rule: derivatives with respect to x of a function whose derivatives with respect to the samples
+  /// are `slopes` (rows x 3 n).
   VectorXd gradient(const Basis& basis, const MatrixXd& slopes) const;
 
   /// q_i = middle_i + size_i * (basis . x_i).
   double size_of(int joint) const { return size_[joint]; }
   double middle_of(int joint) const { return middle_[joint]; }
 
-  /// A random shape within position, speed and acceleration limits: `share` of the largest size.
+  /// A random shape within position, speed and acceleration limits, scaled to `share` of the largest possible
+  /// size.
   VectorXd random(RandomNumbers& numbers) const;
 
  private:

@@ -31,9 +31,8 @@ MatrixXd inverse_of(const MatrixXd& M) {
   return V * values.asDiagonal() * V.transpose();
 }
 
-// Reference sizes of the base parameters' relative deviations: |beta_b|, but at least that of a
-// parameter that makes kFloorOfTorque of all torques at random states, because a deviation
-// relative to zero is meaningless.
+// Reference sizes for relative deviations of the base parameters: |beta_b|, but at least the value that
+// causes kFloorOfTorque of all torques at random states, because a deviation relative to zero is meaningless.
 // @param arm  with values.
 VectorXd parameter_sizes(const Model& arm, const BaseRegressor& regressor) {
   const VectorXd beta = regressor.combination() * standard_values(arm);
@@ -42,20 +41,20 @@ VectorXd parameter_sizes(const Model& arm, const BaseRegressor& regressor) {
   for (Eigen::Index i = 0; i < square.size(); ++i)
     square[i] = beta.dot(grams[i] * beta) / kStates;
   const double none = std::max(1e-300, kNoTorque2 * square.maxCoeff());
-  VectorXd by_one = VectorXd::Zero(beta.size());  // squared torque of one unit, relative
+  VectorXd by_one = VectorXd::Zero(beta.size());  // squared torque of one unit, relative to all torques
   for (Eigen::Index i = 0; i < square.size(); ++i)
     by_one += grams[i].diagonal() / kStates / std::max(square[i], none);
   return beta.cwiseAbs().cwiseMax(kFloorOfTorque *
                                   by_one.cwiseMax(1e-300).cwiseSqrt().cwiseInverse());
 }
 
-// A-optimality with relative deviations: the accuracy of the base parameters in least squares,
-// with the Gram matrix G of rows divided by their noise:
+// A-optimality with relative deviations: the accuracy of the base parameters in least squares, with the Gram
+// matrix G of rows divided by their noise:
 //
 //   ln( 1/p sum_b sqrt(inv(G)_bb) / size_b )
 //
-// It equals mean_relative of predict_identification(), up to a factor that does not depend on the
-// motion.
+// It equals the logarithm of mean_relative in predict_identification(), up to a constant that does not depend
+// on the motion.
 SmoothValue smooth_a_optimality(const MatrixXd& gram, const VectorXd& size) {
   const MatrixXd P = inverse_of(gram);
   const VectorXd deviation = P.diagonal().cwiseMax(1e-300).cwiseSqrt();
@@ -65,8 +64,7 @@ SmoothValue smooth_a_optimality(const MatrixXd& gram, const VectorXd& size) {
   return {std::log(mean), -P * by_variance.asDiagonal() * P};
 }
 
-// Reference torque of each joint: that of the arm's own values at random states, or its largest
-// effort.
+// Reference torque of each joint: rms torque of the arm's own values at random states, or its largest effort.
 VectorXd torque_sizes(const Model& arm) {
   const auto phi = arm.inertial_values();
   VectorXd size = VectorXd::Ones(arm.joints());
@@ -88,7 +86,7 @@ VectorXd torque_sizes(const Model& arm) {
   return size;
 }
 
-// Information of recorded motions per second, in units of one instant of the new motion.
+// Information of recorded motions, scaled to one instant of the new motion.
 MatrixXd given_information(const StackedColumns& columns, const VectorXd& row_weights,
                            const std::vector<MotionSamples>& given, double seconds) {
   MatrixXd sum = MatrixXd::Zero(columns.chosen(), columns.chosen());

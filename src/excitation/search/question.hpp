@@ -19,8 +19,8 @@ namespace veridyn {
 /// Share of the largest speed within which a search smooths signs.
 constexpr double kRounding = 0.01;
 
-/// Columns, weights and criterion of a search: smoothed ones for the descent and exact ones for the
-/// final value.
+/// Columns, weights and criterion of a search: smooth columns for the descent, exact ones for the final
+/// value.
 struct Question {
   std::shared_ptr<const StackedColumns> rounded;
   std::shared_ptr<const StackedColumns> exact;
@@ -39,7 +39,7 @@ struct Question {
   /// Objective of a descent, at some instants of a period.
   MotionObjective objective(const MotionSpace& space, double sharpness, int instants) const;
 
-  /// Weighted Gram matrix per row, with earlier recordings.
+  /// Weighted Gram matrix per row, earlier recordings included.
   MatrixXd exact_gram(const MotionSamples& motion) const;
 
   /// The exact criterion for the samples of a motion; smaller is better.

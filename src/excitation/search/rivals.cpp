@@ -18,7 +18,7 @@
 namespace veridyn {
 namespace {
 
-// One of the two causes, with its text form for messages.
+// One of the two causes, with its text in messages.
 struct KnownRival {
   std::string label;
   Cause cause;
@@ -33,7 +33,7 @@ VectorXd own_values(const Model& arm, const KnownRival& rival) {
 
 using Columns = std::vector<std::shared_ptr<const ColumnSource>>;
 
-// Columns of the body on the frame alone.
+// Columns of the body on this frame alone.
 Columns body_on_frame(const Model& arm, FrameIndex frame, const std::vector<int>& kept) {
   ModelDescription only = arm.description();
   for (Frame& f : only.frames) f.body.reset();
@@ -66,7 +66,7 @@ bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) 
 
 constexpr size_t kMostChoices = 3;  // choices of one cause's constants
 
-// Takes every second one of many: neighbours on a fine grid have nearly the same columns.
+// Every second choice, if there are many: neighbours on a fine grid have nearly the same columns.
 std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {
   while (choices.size() > kMostChoices) {
     std::vector<ShapeChoice> fewer;
@@ -87,8 +87,8 @@ AxisMotion within_limits(const Model& arm, JointIndex joint) {
   return m;
 }
 
-// The effect with the constants that the model has for it there. Without any, one term for each of
-// a few choices, any of which a diagnosis may find.
+// The effect with the constants that the model has on this axis. If it has none, one term for each of a few
+// choices, because a diagnosis may find any of them.
 std::vector<EffectTerm> effect_terms(const Model& arm, const std::string& effect,
                                      JointIndex joint) {
   for (const EffectTerm& own : arm.effects()) {
@@ -156,7 +156,7 @@ Columns rival_columns(const Model& arm, const KnownRival& rival, double rounding
   return axis_columns(arm, rival, *effect, rounding);
 }
 
-// Removes terms of the two causes that have values: the question is then how they changed.
+// Removes terms of the two causes from the model: the question is then how they have changed.
 Model without_rivals(const Model& arm, const std::array<KnownRival, 2>& rivals) {
   ModelDescription rest = arm.description();
   const auto is_rival = [&](const EffectTerm& term) {
@@ -220,8 +220,7 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
       numbers(arm_count + first_count, exact->count() - arm_count - first_count);
   Choice choice = choose(W, preferred_columns(standard_parameters(others)), of_a, of_b);
   if (choice.first.empty() || choice.second.empty()) {
-    // The bodies' own parameters can imitate the cause, which is identifiable only if they are
-    // known.
+    // Parameters of the bodies can imitate the cause, which is identifiable only if the bodies are known.
     question.bodies_known = true;
     choice = choose(W, numbers(body_count, arm_count - body_count), of_a, of_b);
   }

@@ -14,10 +14,11 @@ class GridConstraints {
  public:
   GridConstraints(const MotionSpace& space, const LimitSignals& signals, int instants);
 
-  /// Sets bounds of every signal; infinite where it is free. Initially those of the signals.
+  /// Sets the bounds of every signal; infinite if it is free. The initial bounds are those of the signals.
   void set_bounds(const VectorXd& lower, const VectorXd& upper);
 
-  /// A joint's position at one instant of the grid is above that at another one by `least` [rad] or [m].
+  /// A joint's position at one instant of the grid exceeds that at another instant by at least `least` [rad]
+  /// or [m].
   struct Span {
     int joint;
     Eigen::Index high, low;
@@ -45,15 +46,15 @@ class GridConstraints {
   const LimitSignals& signals_;
   MotionSpace::Basis basis_;
   std::vector<int> kept_;  // signals with a bound
-  std::vector<Span> spans_;  // their rows come last
+  std::vector<Span> spans_;  // their rows are the last ones
   int joint_rows_ = 0;
   VectorXd lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;
-  VectorXd constant_;  // entries of the Jacobian that belong to q, dq, ddq
+  VectorXd constant_;  // entries of the Jacobian for q, dq, ddq
 };
 
-/// Minimises the criterion within the limits and records the best motion that keeps them,
-/// independently of the solver.
+/// Minimises the criterion within the limits, and stores the best motion within them, independently of the
+/// solver.
 class SearchProgram final : public NonlinearProgram {
  public:
   SearchProgram(const MotionObjective& objective, const GridConstraints& limits, int variables);
@@ -89,8 +90,8 @@ class SearchProgram final : public NonlinearProgram {
   int evaluations_ = 0;
 };
 
-/// Minimises t such that all limits hold when those of torques and places are widened by t times
-/// their scale: t <= 0 if they can be met, else it is the violation. The last variable is t.
+/// Minimises t such that all limits hold after those of torques and positions in space are widened by t times
+/// their scale. t <= 0 if they can be satisfied, else t is the violation. The last variable is t.
 class WidestViolation final : public NonlinearProgram {
  public:
   explicit WidestViolation(const GridConstraints& limits, int variables);

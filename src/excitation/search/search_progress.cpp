@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSilence = 0.5;  // [s] between two lines
+constexpr double kSilence = 0.5;  // [s] shortest time between two lines
 
 }  // namespace
 

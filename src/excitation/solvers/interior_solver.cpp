@@ -41,7 +41,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kFirstMu = 1e-2;
-constexpr double kMuShrinks = 0.9;  // by this factor in every step with alpha > kLongStep
+constexpr double kMuShrinks = 0.9;  // factor of mu in every step with alpha > kLongStep
 constexpr double kLongStep = 0.3;
 constexpr double kTau = 0.99;
 constexpr double kEta = 1e-4;
@@ -49,7 +49,7 @@ constexpr double kRho = 0.1;
 constexpr int kHalvings = 12;
 constexpr double kFirstStep = 0.1;   // length of p_x before any curvature is known
 constexpr double kNearCentre = 1e4;  // z stays within this factor of mu / distance
-constexpr int kPatience = 15;        // iterations in which f may fall by less than kSmallGain
+constexpr int kPatience = 15;        // iterations in which f may decrease by less than kSmallGain
 constexpr double kSmallGain = 3e-5;
 
 // One side of l <= s <= u. Components without a bound have distance 1 and multiplier 0.

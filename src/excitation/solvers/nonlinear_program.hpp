@@ -31,7 +31,7 @@ class NonlinearProgram {
 struct SolverOptions {
   int iterations = 300;
   double tolerance = 1e-4;
-  /// Asked now and then; true ends the search.
+  /// Called from time to time; true ends the search.
   std::function<bool()> stop;
 };
 
@@ -50,9 +50,9 @@ using NonlinearSolver =
 SolverResult solve_with_interior_point(NonlinearProgram& program, const VectorXd& start,
                                        const SolverOptions& options);
 
-/// Ipopt (Waechter and Biegler, Mathematical Programming 106(1), 2006) with the same dense BFGS matrix
-/// as its Hessian, and NLopt's sequential quadratic programming (SLSQP, Kraft 1988). Both get those
-/// limits that can become active, see working_set.hpp. Built where their packages are installed.
+/// Ipopt (Waechter and Biegler, Mathematical Programming 106(1), 2006) with the same dense BFGS matrix as its
+/// Hessian, and NLopt's sequential quadratic programming (SLSQP, Kraft 1988). Both receive the limits that
+/// can become active, see working_set.hpp. Built if their packages are installed.
 SolverResult solve_with_ipopt(NonlinearProgram& program, const VectorXd& start,
                               const SolverOptions& options);
 SolverResult solve_with_nlopt(NonlinearProgram& program, const VectorXd& start,

@@ -17,7 +17,7 @@ class WorkingSet final : public NonlinearProgram {
     add(whole_.constraints(start), near);
   }
 
-  /// Adds rows whose values c are nearer to a bound than `near`, or beyond it by -near.
+  /// Adds rows whose values c are closer to a bound than `near`, or exceed it by -near.
   /// @returns the number of new rows.
   int add(const VectorXd& c, double near) {
     int added = 0;
@@ -75,11 +75,11 @@ class WorkingSet final : public NonlinearProgram {
   std::vector<std::pair<int, int>> pattern_;
 };
 
-/// Solves with the rows near a bound at the start; violated rows are added, and the search
+/// Solves with the rows that are close to a bound at the start; violated rows are added, and the search
 /// continues from that solution.
 inline SolverResult with_working_set(const NonlinearSolver& solver, NonlinearProgram& whole,
                                      const VectorXd& start, const SolverOptions& options) {
-  constexpr double kNear = 0.15;  // of a limit's scale
+  constexpr double kNear = 0.15;  // share of a limit's scale
   constexpr double kBeside = 0.02;
   constexpr double kHeld = 1e-6;
   constexpr int kRounds = 8;
@@ -92,7 +92,7 @@ inline SolverResult with_working_set(const NonlinearSolver& solver, NonlinearPro
     all.converged = one.converged;
     all.iterations += one.iterations;
     if (options.stop && options.stop()) break;
-    (void)whole.objective(all.x);  // records the best motion within all limits
+    (void)whole.objective(all.x);  // stores the best motion within all limits
     const VectorXd c = whole.constraints(all.x);
     if (part.add(c, -kHeld) == 0) break;
     part.add(c, kBeside);

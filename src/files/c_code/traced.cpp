@@ -12,9 +12,9 @@ namespace {
 
 thread_local TracedProgram* opened = nullptr;
 
-constexpr double kNothing = 1e-17;  // entries of a rotation below it are rounding of cos(pi/2)
-constexpr double kRounding = 1e-15;  // of an offset that is a quarter turn
-constexpr size_t kLongest = 110;    // longest expression, in letters, that is written in one line
+constexpr double kNothing = 1e-17;  // smaller entries of a rotation are rounding of cos(pi/2)
+constexpr double kRounding = 1e-15;  // rounding of an offset that is a quarter turn
+constexpr size_t kLongest = 110;    // longest expression in one line, in characters
 
 }  // namespace
 

@@ -18,15 +18,15 @@ double force_at(const EffectFacts& effect, double s, double ds, double dds) {
   return effect.force_at(x);
 }
 
-// The effect as a simple force, according to its traits; all zero where it is none.
+// The effect as a simple force, by its traits; all zero if it is none.
 SimpleForce simple_force(const EffectFacts& effect) {
   SimpleForce out;
   out.axis = effect.term().axis;
   const EffectTraits& traits = effect.traits();
   if (traits.uses_source || traits.uses_load || traits.depends_on_time || traits.memory) return out;
   if (traits.affine) {
-    // s = c . q + s0 is measured from its own zero here, so that the axis' offset belongs to the
-    // spring.
+    // s = c . q + s0 is measured from the spring's own zero here, so that the axis' offset becomes part of
+    // the spring.
     const double s0 = out.axis.offset;
     out.offset = force_at(effect, s0, 0.0, 0.0);
     out.stiffness = force_at(effect, s0 + 1.0, 0.0, 0.0) - out.offset;
@@ -43,7 +43,7 @@ bool is_nothing(const SimpleForce& f) {
          f.friction == 0.0;
 }
 
-// Simulators refuse such an effect; a fit without bounds can find one.
+// True for effects that simulators refuse; a fit without bounds can give such values.
 bool is_below_zero(const SimpleForce& f) {
   return f.stiffness < 0.0 || f.damping < 0.0 || f.inertia < 0.0 || f.friction < 0.0;
 }

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// A force that simulators can represent, along one axis s = c . q:
+/// A force along one axis s = c . q that simulators can represent:
 ///
 ///   force = offset + stiffness s + damping ds + inertia dds + friction sign(ds)
 struct SimpleForce {
@@ -31,7 +31,7 @@ struct PlacedEffects {
 /// @param joints  number of the arm's coordinates.
 PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints);
 
-/// Derived from the traits and columns of the effects, without knowing any name.
+/// Determined by the traits and columns of the effects, without using their names.
 KnownEffects known_effects(const Model& arm);
 
 }  // namespace veridyn

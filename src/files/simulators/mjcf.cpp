@@ -18,7 +18,7 @@ namespace {
 // [kg], [kg m^2] minimum that MuJoCo requires of every moving body.
 constexpr double kLeastMjcfMass = 1e-12;
 constexpr double kStep = 1e-3;         // [s]
-// Time constant and damping ratio of couplings: they settle within four steps.
+// Time constant and damping ratio of couplings: transients end within four steps.
 const char* const kStiff = "0.004 1";
 
 void set_pose(pugi::xml_node node, const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
@@ -73,7 +73,7 @@ class MjcfWriter {
   }
 
  private:
-  // Names the effects that MuJoCo cannot represent.
+  // Lists the effects that MuJoCo cannot represent.
   void losses(pugi::xml_node root) const {
     for (const std::string& one : effects_.left_out) add_comment(root, "left out: " + one);
     for (const Coordinate& c : arm_.coordinates()) {
@@ -85,7 +85,7 @@ class MjcfWriter {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Link& link(int k) const { return tree_.links[at(k)]; }
 
-  // i if the link's joint variable is coordinate i plus a constant, else -1.
+  // Index i if the link's joint variable is coordinate i plus a constant, else -1.
   int plain_coordinate(int k) const {
     const Link& l = link(k);
     if (l.type == JointType::kFixed || l.end_coefficient != l.first_coefficient + 1) return -1;
@@ -102,7 +102,7 @@ class MjcfWriter {
 
   const std::string& frame_name(int k) const { return arm_.frames()[at(link(k).frame)].name; }
 
-  // A joint that is a coordinate has its name.
+  // Name of a link's joint; a joint that is a coordinate has the coordinate's name.
   std::string joint_name(int k) const {
     const int i = plain_coordinate(k);
     if (i >= 0 && main_link_of(i) == k) return arm_.coordinates()[at(i)].name;

@@ -74,7 +74,7 @@ pugi::xml_attribute MjcfElements::setting(const char* section, const char* name,
   return out;
 }
 
-// The first of two classes of one name is used, and the first of a class's settings for an element.
+// If a class or a setting of a class occurs twice, the first one is used.
 void MjcfElements::read_classes() {
   const auto take = [this](pugi::xml_node defaults, const char* name) {
     classes_.try_emplace(name, defaults);
@@ -222,7 +222,7 @@ std::optional<Body> MjcfElements::inertia(pugi::xml_node node, const Eigen::Isom
   return body_of(xml_, own, mass, T_frame_body * pose(own), I);
 }
 
-// The sum of a body's geoms of uniform density.
+// Sum of a body's geoms, each with uniform density.
 std::optional<Body> MjcfElements::inertia_of_geoms(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const {
   std::optional<Body> sum;
   for (const pugi::xml_node part : node.children()) {

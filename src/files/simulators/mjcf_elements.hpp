@@ -16,17 +16,17 @@ inline Eigen::Vector3d as_vector(const std::vector<double>& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// The elements of an MJCF file as MuJoCo understands each by itself: with the defaults of its class, the
-/// settings of the compiler, and bodies from their inertia or their geoms.
+/// The elements of an MJCF file with MuJoCo's rules applied: defaults of the class, settings of the compiler,
+/// and bodies from their inertia or their geoms.
 class MjcfElements {
  public:
-  /// @throws InvalidInput  no such file, one that includes others, or settings of the compiler that change
-  /// bodies.
+  /// @throws InvalidInput  no such file, one that includes others, or unsupported settings of the compiler
+  /// that change bodies.
   explicit MjcfElements(const std::string& path);
 
   pugi::xml_node root() const { return xml_.root(); }
 
-  /// The last value of an attribute among all sections of a name.
+  /// The last value of an attribute in all sections with this name.
   pugi::xml_attribute setting(const char* section, const char* name, pugi::xml_node* where = nullptr) const;
 
   /// An attribute of an element, or that of its class' defaults.
@@ -37,11 +37,12 @@ class MjcfElements {
   double angle() const { return angle_; }  ///< [rad] of one unit of the file
   Eigen::Isometry3d pose(pugi::xml_node node) const;
 
-  /// True where a range is a limit.
+  /// True if the range of a joint or actuator is a limit.
   bool limited(pugi::xml_node node, const char* name) const;
 
-  /// Inertial parameters of an element; nullopt where the file gives none, or only the tiny mass that simulators require.
-  /// @param moves  relative to the world: geoms of others have no inertia.
+  /// Inertial parameters of an element; nullopt if the file gives none, or only the tiny mass that simulators
+  /// require.
+  /// @param moves  relative to the world: the geoms of fixed bodies have no inertia.
   std::optional<Body> inertia(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body, bool moves) const;
 
  protected:
@@ -59,7 +60,7 @@ class MjcfElements {
   pugi::xml_attribute setting_of(pugi::xml_node defaults, const char* element, const char* name) const;
 
   std::unordered_map<std::string, pugi::xml_node> classes_;  // by name: their element <default>
-  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // by an element <default> and the kind it is for
+  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // for each element <default> and each kind of element
   double angle_ = 1.0;
   std::string sequence_ = "xyz";
   bool auto_limits_ = true, geoms_always_ = false, geoms_never_ = false;

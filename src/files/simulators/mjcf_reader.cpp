@@ -83,7 +83,7 @@ class MjcfReader : private MjcfElements {
     }
   }
 
-  // A site of its body's own name is the place of the body's frame, as in exported files.
+  // True for a site with the name of its body: it is the pose of the body's frame, as in exported files.
   static bool is_body_site(pugi::xml_node node) {
     return std::strcmp(node.parent().name(), "body") == 0 &&
            std::strcmp(node.attribute("name").value(), node.parent().attribute("name").value()) == 0;
@@ -135,7 +135,7 @@ class MjcfReader : private MjcfElements {
     children(node, parent, T_frame_body, moves);
   }
 
-  // A joint of a body whose axes lie at T at zero; sets the frame's type and placement.
+  // Reads a joint of a body whose axes are at T in the zero position; sets the frame's type and placement.
   int joint(pugi::xml_node node, const std::string& body, Frame& frame, const Eigen::Isometry3d& T) {
     FileJoint out;
     out.node = node;
@@ -185,7 +185,7 @@ class MjcfReader : private MjcfElements {
     return (j.turns ? angle() : 1.0) * number(j.node, "springref", 0.0);
   }
 
-  // Makes a joint follow others; only linear laws are joint variables.
+  // Makes a joint depend on others; only linear laws can be joint variables.
   void follow(pugi::xml_node at, int joint, std::vector<FileJoint::Share> shares, double constant) {
     FileJoint& j = joints_[joint];
     if (j.follows) xml_.fail(at, "the joint '" + j.name + "' coupled twice", "at most one law for every joint");
@@ -251,7 +251,7 @@ class MjcfReader : private MjcfElements {
     return out;
   }
 
-  // The largest force of a joint's actuators, and constant forces that they add.
+  // Reads the largest force of a joint's actuators, and the constant forces that they add.
   void read_actuators() {
     std::vector<double> force(joints_.size(), 0.0);
     for (const pugi::xml_node section : root().children("actuator")) {
@@ -305,7 +305,7 @@ class MjcfReader : private MjcfElements {
     add_effect(model_, xml_.path(), effect, axis, value);
   }
 
-  // Forces that MuJoCo's joints and fixed tendons share.
+  // Reads the forces that joints and fixed tendons of MuJoCo have in common.
   void passive_forces(pugi::xml_node node, const Axis& axis, double rest) {
     checked_effect(node, "damping", "damping", axis, number(node, "damping", 0.0));
     checked_effect(node, "frictionloss", "friction", axis, number(node, "frictionloss", 0.0));

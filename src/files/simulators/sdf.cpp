@@ -62,7 +62,7 @@ class SdfWriter {
     return words.substr(first, words.find_last_not_of(' ') + 1 - first);
   }
 
-  // Parts of a model have one name space in SDFormat.
+  // All parts of a model share one name space in SDFormat.
   std::string link_name(const std::string& name) const {
     const pugi::xml_node robot = urdf_.child("robot");
     if (!robot.find_child_by_attribute("joint", "name", name.c_str())) return name;

@@ -50,17 +50,17 @@ class SdfReader {
  private:
   static std::string words_of(pugi::xml_node node, const char* child) { return node.child(child).text().get(); }
 
-  // The one model with joints that move, alone in the file or in a world.
+  // Chooses the only model with moving joints, alone in the file or in a world.
   void choose_model() {
     std::vector<pugi::xml_node> found;
-    const auto look_in = [&](pugi::xml_node above) {
+    const auto search_models_in = [&](pugi::xml_node above) {
       for (const pugi::xml_node model : above.children("model")) {
         if (model.find_node([](const pugi::xml_node& n) { return std::strcmp(n.name(), "joint") == 0; })) found.push_back(model);
       }
     };
-    look_in(xml_.root());
+    search_models_in(xml_.root());
     for (const pugi::xml_node world : xml_.root().children("world")) {
-      look_in(world);
+      search_models_in(world);
       if (const pugi::xml_node g = world.child("gravity")) {
         const auto v = xml_.numbers(g, "gravity", g.text().get(), 3, 3);
         model_.gravity = {v[0], v[1], v[2]};
@@ -184,7 +184,7 @@ class SdfReader {
     return -1;
   }
 
-  // Adds a link after those above it.
+  // Adds a link after its ancestors.
   void add_link(pugi::xml_node node, std::size_t depth) {
     const std::string name = node.attribute("name").value();
     if (frame_of(name) >= 0) return;
@@ -217,7 +217,7 @@ class SdfReader {
     const auto j = static_cast<std::size_t>(index_of(joint));
     frame.type = joints_[j].turns ? JointType::kRevolute : JointType::kPrismatic;
     frame.variable = variables_[j];
-    // The joint's line lies in its frame; JointPlacement wants it in the axes of the link.
+    // The joint's axis is given in its frame, whereas JointPlacement needs it in the axes of the link.
     const Eigen::Isometry3d T_model_joint = place_of(joint, joint.attribute("name").value(), 0);
     const Eigen::Isometry3d T_joint_link = T_model_joint.inverse(Eigen::Isometry) * T_model_link;
     const Eigen::Matrix3d R = T_joint_link.linear();
@@ -246,7 +246,7 @@ class SdfReader {
     const Eigen::Vector3d u(v[0], v[1], v[2]);
     const std::string in_model = words_of(axis, "use_parent_model_frame");
     const std::string base = xyz.attribute("expressed_in").value();
-    // Up to SDFormat 1.4 axes were written in the model.
+    // Up to SDFormat 1.4, axes were given in the frame of the model.
     if (in_model == "true" || in_model == "1" || axes_in_model_) return R_model_joint.transpose() * u;
     if (!base.empty()) return R_model_joint.transpose() * place_of(xyz, base, 0).linear() * u;
     return u;

@@ -23,8 +23,8 @@
 namespace veridyn {
 namespace {
 
-// Values of a model and of a file that differ by less, relative to the largest of a body's, are the
-// same: rounding of one conversion.
+// Differences between values of a model and of a file below this share of the body's largest value are
+// rounding of one conversion.
 constexpr double kSameValue = 1e-12;
 constexpr double kSamePlace = 1e-9;  // [m], [rad]
 
@@ -41,7 +41,7 @@ void set_attribute(pugi::xml_node node, const char* name, const std::string& val
   a.set_value(value.c_str());
 }
 
-// Code for both formats: values that differ, and values that cannot be written.
+// Common parts of both formats: values that differ, and values that cannot be written.
 class UpdatedSimulation {
  public:
   UpdatedSimulation(const Model& arm, const Model& in_file, const std::string& path, const char* root)
@@ -61,7 +61,7 @@ class UpdatedSimulation {
   virtual ~UpdatedSimulation() = default;
 
  protected:
-  // Inertial parameters belong to the places of joints and frames that the model has.
+  // Inertial parameters refer to the model's poses of joints and frames, which the file must share.
   void update_inertials() {
     if (arm_.gravity() != in_file_.gravity()) out_.left_out.push_back("gravity");
     for (const Frame& mine : arm_.frames()) {
@@ -95,7 +95,7 @@ class UpdatedSimulation {
     }
   }
 
-  // Effects on each coordinate's own axis; the others are named.
+  // Effects on each coordinate's own axis; others are reported.
   void effects(const std::function<bool(const std::string& joint, const char* value, double now)>& change, bool rotors) {
     const KnownEffects mine = known_effects(arm_);
     for (const std::string& one : mine.left_out) out_.left_out.push_back(one);
@@ -131,8 +131,8 @@ class UpdatedSimulation {
     }
   }
 
-  // True if joints that follow the coordinate, or tendons along it, have forces of their own, so that
-  // its total is not the value of one joint.
+  // True if joints that follow the coordinate, or tendons along it, have forces of their own, so that its
+  // total force is not the value of one joint.
   bool shared(int coordinate) const {
     std::set<std::string> seen;
     for (const EffectTerm& term : in_file_.effects()) {
@@ -146,7 +146,7 @@ class UpdatedSimulation {
   // True if other parts of the file depend on this value of a joint.
   virtual bool is_referenced(const std::string& /*joint*/, const std::string& /*value*/) const { return false; }
 
-  // Forces along several coordinates stay as the file has them.
+  // Forces along several coordinates keep the file's values.
   void keep_coupled_forces(const PlacedEffects& now, const PlacedEffects& there) {
     for (std::size_t k = 0; k < std::max(now.across.size(), there.across.size()); ++k) {
       const bool both = k < now.across.size() && k < there.across.size();
@@ -180,7 +180,7 @@ class UpdatedSimulation {
     });
   }
 
-  // An element of the arm itself: other sections and models may use its names for other things.
+  // Finds an element of the arm itself: other sections and models may have other elements of the same name.
   pugi::xml_node find(const char* element, const std::string& name) const {
     for (const pugi::xml_node tree : trees_) {
       if (const pugi::xml_node found = find_in(tree, element, name)) return found;

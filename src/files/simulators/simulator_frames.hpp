@@ -13,9 +13,9 @@ namespace veridyn {
 
 /// Common parts of the readers of MJCF and SDFormat.
 
-/// Bodies up to this mass [kg] carry frames, because simulators refuse links without mass (the
-/// writers here use 1e-12 and 1e-9); such a frame has no body. No arm's torque shows ten micrograms:
-/// at a metre they weigh 1e-7 N m.
+/// Bodies up to this mass [kg] only carry frames, because simulators refuse links without mass (the writers
+/// here use 1e-12 and 1e-9); such a frame has no body. Ten micrograms at a distance of a metre cause 1e-7 N
+/// m, far below any arm's resolution.
 constexpr double kPlaceholderMass = 1e-8;
 
 /// A body from its mass [kg], and the tensor about its centre [kg m^2] along the axes of T, which
@@ -43,7 +43,7 @@ struct FileJoint {
   Limits limits{};
 };
 
-/// Every joint's variable by the coordinates, which are the joints that follow none, in their order.
+/// Every joint's variable as a function of the coordinates: the joints that follow no other, in their order.
 /// @throws InvalidInput  joints that follow each other in a cycle, or no coordinate.
 std::vector<Axis> joint_variables(const XmlFile& xml, const std::vector<FileJoint>& joints,
                                   std::vector<Coordinate>& coordinates);

@@ -61,7 +61,7 @@ class UrdfReader {
     pugi::xml_node node;
     std::string parent;
     JointPlacement placement;
-    int moving = -1;  // its place in moving_; -1: fixed
+    int moving = -1;  // index in moving_; -1: fixed
   };
 
   static std::string name_of(pugi::xml_node e) { return e.attribute("name").value(); }
@@ -82,7 +82,8 @@ class UrdfReader {
     }
   }
 
-  // The finite numbers of an attribute; empty where it is not there. @param at  the element of the place in a message.
+  // The finite numbers of an attribute; empty if it does not exist. @param at  element whose position a
+  // message reports.
   std::vector<double> numbers(pugi::xml_node at, const std::string& whose, pugi::xml_node of, const char* name, std::size_t count) const {
     std::vector<double> out;
     if (!of.attribute(name)) return out;
@@ -106,7 +107,7 @@ class UrdfReader {
     return found.empty() ? otherwise : found[0];
   }
 
-  // A joint or link that has a name, once in the file.
+  // Registers a joint or link, which must have a name that occurs once in the file.
   void register_name(pugi::xml_node e, std::map<std::string, pugi::xml_node>& known) const {
     const std::string tag = e.name(), name = name_of(e);
     if (name.empty()) xml_.fail(e, "a " + tag + " without a name", "<" + tag + " name=\"...\">");
@@ -213,7 +214,7 @@ class UrdfReader {
     return out;
   }
 
-  // The one link without a joint above it, from which joints lead to all others.
+  // The only link without a joint above it, from which joints lead to all others.
   std::string root_link() const {
     if (links_.empty()) xml_.fail(xml_.root(), "no links", "<link name=\"...\">");
     std::vector<std::string> roots;
@@ -235,7 +236,7 @@ class UrdfReader {
     return roots[0];
   }
 
-  // variable = multiplier * that of the leader + offset; a fixed leader stays at zero.
+  // variable = multiplier * variable of the leader + offset; a fixed leader stays at zero.
   void follow(std::size_t j) {
     const pugi::xml_node mimic = moving_[j].node.child("mimic");
     if (!mimic) return;
@@ -248,7 +249,7 @@ class UrdfReader {
     }
   }
 
-  // Adds a link after those above it.
+  // Adds a link after its ancestors.
   void add_link(const std::string& name) {
     if (frames_.count(name) > 0) return;
     Frame frame;
@@ -275,7 +276,8 @@ class UrdfReader {
     add_effect(model_, xml_.path(), attribute, {variables_[joint.moving].coefficients, 0.0}, value);
   }
 
-  // A file without any inertial describes the kinematics alone: each link that a joint moves has a body then.
+  // A file without any inertial describes the kinematics alone: every link that a joint moves then gets a
+  // body without values.
   void add_bodies_without_values() {
     for (const Frame& frame : model_.frames) {
       if (frame.body) return;

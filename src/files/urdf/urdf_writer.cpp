@@ -93,7 +93,7 @@ class UrdfWriter {
     out_ += std::string(2 * at(depth), ' ') + content + "\n";
   }
 
-  // i if the frame's joint variable is coordinate i plus a constant, else -1.
+  // Index i if the frame's joint variable is coordinate i plus a constant, else -1.
   static int plain_coordinate(const Frame& frame) {
     if (frame.type == JointType::kFixed) return -1;
     int found = -1;
@@ -105,7 +105,7 @@ class UrdfWriter {
     return found;
   }
 
-  // Names the parts of the model that URDF cannot represent.
+  // Lists the parts of the model that URDF cannot represent.
   void losses() {
     write_remark("", 1);
     if (!arm_.description().source.empty())
@@ -141,7 +141,7 @@ class UrdfWriter {
     return words;
   }
 
-  // True for friction of one coordinate that <dynamics> can hold, which nothing below zero is.
+  // True for friction along one coordinate with nonnegative values, which <dynamics> can represent.
   static bool damping_or_friction(const EffectTerm& term) {
     const bool known = represents(term, "damping") || represents(term, "friction");
     const bool plain =
@@ -255,7 +255,7 @@ class UrdfWriter {
     if (words != extras_.remarks.end()) line(depth, xml_comment(words->second));
   }
 
-  // Writes visuals and collisions as they were read; robot-wide materials have the empty name.
+  // Writes visuals and collisions unchanged; materials of the whole robot belong to the empty name.
   void shapes(const std::string& frame) {
     const auto found = extras_.appearance.find(frame);
     if (found == extras_.appearance.end()) return;

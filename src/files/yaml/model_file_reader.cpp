@@ -205,7 +205,7 @@ class ModelReader {
     return channel;
   }
 
-  // To be read after all coordinates, whose names it uses.
+  // Must be called after all coordinates are read, because it uses their names.
   void read_crosstalk() {
     size_t joint = 0;
     for (const YamlNode& node : root_.at("coordinates").items("a list of coordinates")) {

@@ -188,7 +188,7 @@ class ModelWriter {
     return frame.body ? all + "," + body_text(place + "/body", *frame.body) : all;
   }
 
-  // The DH row with the present offset, unless A and B no longer follow from the row.
+  // The DH row with the current offset; nullopt if A and B no longer follow from the row.
   static std::optional<DhRow> row_of(const Frame& frame) {
     if (!frame.dh) return std::nullopt;
     DhRow row = *frame.dh;

@@ -21,7 +21,7 @@ double without_noise(double value) {
 
 namespace {
 
-// Plain words that are nothing, a truth value or a number to a reader of YAML 1.1 or 1.2.
+// True for plain words that YAML 1.1 or 1.2 reads as null, a truth value or a number.
 bool has_another_meaning(const std::string& word) {
   std::string lower = word;
   std::transform(lower.begin(), lower.end(), lower.begin(),

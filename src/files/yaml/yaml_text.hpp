@@ -17,7 +17,7 @@ bool same_in_yaml(double a, double b);
 /// Zero for a number far below the rounding of poses, whose entries are about 1.
 double without_noise(double value);
 
-/// A scalar that YAML reads back as text, also inside {} and [].
+/// A scalar that YAML reads as text, also inside {} and [].
 std::string quoted_if_needed(const std::string& word);
 
 /// The shortest text that is read back as the same number; .inf and -.inf where it is infinite.
@@ -26,8 +26,7 @@ std::string shortest(double value);
 /// True if the expression has that value.
 bool formula_gives(const std::string& formula, const Constants& constants, double value);
 
-/// Writes numbers of a model's file: as the expression of the original file where it still has the
-/// same value.
+/// Writes numbers of a model's file, as the expression in the original file if it still has the same value.
 class YamlNumbers {
  public:
   explicit YamlNumbers(const ModelDescription& arm) : arm_(arm) {}

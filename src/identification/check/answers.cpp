@@ -10,12 +10,13 @@
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
-// Combines the contradictions of all recordings of a command and applies the transformations that remove them.
+// Combines the contradictions found in all recordings of a command, and applies the transformations that
+// remove them.
 
 namespace veridyn {
 namespace {
 
-// Each finding once; where recordings disagree about a joint, the most frequent one.
+// Each finding once; if recordings disagree about a joint, the most frequent finding.
 std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   using Key = std::pair<std::string, int>;
   std::map<Key, int> votes;
@@ -30,7 +31,8 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   return out;
 }
 
-// A diagnosis estimates the tilt of a base, and any direction of gravity against an identified model, as a cause, and names a push.
+// True for a contradiction that a diagnosis explains itself: it estimates the tilt of a base (against an
+// identified model any direction of gravity) as a cause, and reports pushes.
 bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
   if (q.finding == "changed_midway") return true;
   if (q.finding != "gravity") return false;
@@ -44,7 +46,7 @@ class SetUp {
   SetUp(const Model& arm, const PreprocessingOptions& options) : options_(options) { out_.arm = arm; }
 
   void learn_from(const std::string& name) {
-    RobotAnswers answers = answers_of(out_.arm, name, options_, ask_above());
+    RobotAnswers answers = answers_of(out_.arm, name, options_, smallest_error());
     note(answers, name);
     std::vector<RecordingQuestion>& set = answers.set;
     if (set.empty() && !answers.explained && would_mend(first_, out_.arm, name, options_)) set = first_;
@@ -54,10 +56,11 @@ class SetUp {
     std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return q.changes_recording(); });
   }
 
-  // Applies the transformations of the training recordings if they mend this one as well, else reports what is wrong with it.
+  // Applies the transformations of the training recordings to a held-out recording if they correct it;
+  // otherwise reports its contradictions.
   void apply_to_held_out(const std::string& name) {
     if (!first_.empty() && would_mend(first_, out_.arm, name, options_)) mend(first_, name);
-    else note(answers_of(out_.arm, name, options_, ask_above()), name);
+    else note(answers_of(out_.arm, name, options_, smallest_error()), name);
   }
 
   MendedSetUp result() {
@@ -71,9 +74,9 @@ class SetUp {
   }
 
  private:
-  // A mistake of the set-up is in every recording: where one has an unexplained error without a contradiction, others are
-  // tested only if they leave several times as much.
-  double ask_above() const { return checking::kOutstanding * least_left_; }
+  // A mistake in the set-up affects every recording. If one recording has an unexplained error but no
+  // contradiction, others are tested only if their error is several times as large.
+  double smallest_error() const { return checking::kOutstanding * least_left_; }
 
   void note(const RobotAnswers& answers, const std::string& name) {
     bool found = false;
@@ -96,22 +99,22 @@ class SetUp {
     const Recording* there = find_in_memory(options_.in_memory, name);
     Recording recording = there != nullptr ? *there : read_rows(name, recording_options_for(out_.arm, options_), options_.kept.get());
     recording.source = name;
-    give_torques(out_.arm, recording);
+    set_torques_from_currents(out_.arm, recording);
     apply_to(set, out_.arm, recording);
     out_.recordings[name] = std::make_shared<const Recording>(std::move(recording));
   }
 
   const PreprocessingOptions& options_;
   MendedSetUp out_;
-  std::vector<RecordingQuestion> first_;  // transformations of recordings by the first set that was found
+  std::vector<RecordingQuestion> first_;  // the set that was found first
   std::vector<QualityFinding> all_;
-  double least_left_ = 0.0;  // smallest error of recordings that are not explained and have no contradiction
+  double least_left_ = 0.0;  // smallest error among recordings that are neither explained nor contradict the arm
   std::vector<double> sound_;  // errors of recordings without contradiction
 };
 
 bool is_of_motion(const QualityFinding& finding) {
   static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side"};
-  // Degrees in velocities only are a fault of that signal.
+  // Degrees in velocities alone are an error of that signal.
   return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
 }
 

@@ -19,15 +19,16 @@ struct RobotAnswers {
   bool explained = false;              ///< the arm explains the recording as it is
   double left = 0.0;                   ///< relative error of the torque as recorded
 };
-/// Delays and gains of torques are left to a diagnosis.
-/// @param ask_above  relative error, up to which a recording is not tested.
-RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above = 0.0);
+/// Contradictions between a recording and the arm. Delays and gains of torques are not tested: a diagnosis
+/// estimates them.
+/// @param smallest_error  recordings with a smaller relative error are not tested.
+RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error = 0.0);
 
 /// True if these transformations explain the recording, or most of its error.
 bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
 
-/// Currents times the gains of their drives, where a recording has no torques.
-void give_torques(const Model& arm, Recording& recording);
+/// If a recording has no torques, computes them from its currents and the drive gains.
+void set_torques_from_currents(const Model& arm, Recording& recording);
 
 /// Arm and recordings with the transformations applied; `recordings` holds those that changed.
 struct MendedSetUp {
@@ -37,8 +38,9 @@ struct MendedSetUp {
   bool mended = false;
 };
 
-/// Tests all recordings if some error is large. Training recordings choose the transformations. A recording that is not
-/// explained and for which none is found gets those of the first one if they explain it, and so does a held-out one.
+/// Tests all recordings if one has a large error. Training recordings determine the transformations. The
+/// first set found is also applied to other recordings, held-out ones included, that are not explained, have
+/// no set of their own, and are explained by it.
 /// @param fit  identification from these recordings.
 MendedSetUp mended_set_up(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
                           const PreprocessingOptions& options, const Identification& fit);

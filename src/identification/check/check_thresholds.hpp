@@ -4,46 +4,50 @@
 /// inequality, and with its reason where one is known.
 namespace veridyn::checking {
 
-/// rows > kMostRows: the rest is not read; 25 s at 200 Hz, and more rows add nothing new.
+/// rows > kMostRows: the rest is not read; 25 s at 200 Hz are sufficient.
 constexpr int kMostRows = 5000;
-/// rows < kFewestRows: no comparison with the robot; 1.5 s at 200 Hz determine no arm.
+/// rows < kFewestRows: no comparison with the robot; 1.5 s at 200 Hz do not determine an arm.
 constexpr int kFewestRows = 300;
-/// condition number < kWorstCondition, columns scaled, else no comparison; whole recordings of a PSM
+/// condition number of the scaled columns < kWorstCondition, else no comparison; whole recordings of a PSM
 /// have 4600.
 constexpr double kWorstCondition = 2e4;
-/// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that
-/// a joint that fits badly anyway does not hide another. Its fall > kBetter: a question is answered by yes;
-/// as if one joint's share fell to 0.4 of its value.
+/// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that a
+/// joint that fits badly in any case does not hide another one. Decrease of the misfit > kBetter: a
+/// hypothesis is accepted; this corresponds to one joint's share falling to 0.4 of its value.
 constexpr double kBetter = 0.9;
-/// Fall of the misfit > kGainsBetter: efforts are currents; drive gains differ little from joint to
-/// joint, and so do their fits.
+/// Decrease of the misfit > kGainsBetter: efforts are currents. Drive gains differ little between joints, and
+/// so do the fits.
 constexpr double kGainsBetter = 0.3;
-/// what is left <= kNearNoise * the torque's white noise, or the rounding of its digits: no hypothesis is tested, and
-/// what led there mends it. Friction near rest leaves a few times the noise on perfect recordings.
+/// remaining error <= kNearNoise * the torque's white noise, or the rounding of its digits: no further
+/// hypothesis is tested, and those accepted so far are applied. Friction near rest leaves a few times the
+/// noise on perfect recordings.
 constexpr double kNearNoise = 3.0;
-/// error left of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest leaves up to 1 % of a joint's torque on perfect recordings.
+/// remaining error of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest
+/// leaves up to 1 % of a joint's torque on perfect recordings.
 constexpr double kExact = 1.5e-2;
-/// relative error < kSmallestShare: counts as this; less is noise.
+/// relative error < kSmallestShare: replaced by this value; less is noise.
 constexpr double kSmallestShare = 1e-5;
-/// power lost to friction / (rms torque * rms speed) > kFrictionShare: it has a sign.
+/// power lost to friction / (rms torque * rms speed) > kFrictionShare: its sign is significant.
 constexpr double kFrictionShare = 0.03;
-/// the same > kFrictionAboveRest * sqrt(unexplained share): what is not explained may do work of its own.
+/// the same > kFrictionAboveRest * sqrt(unexplained share): the unexplained part may itself do work.
 constexpr double kFrictionAboveRest = 0.3;
-/// relative rise of the rms misfit without friction > kFrictionSignificance; in the first seconds of a
-/// motion other parameters may absorb it. Recordings of a PSM have 0.27 to 2.3.
+/// relative increase of the rms misfit without friction > kFrictionSignificance: in the first seconds of a
+/// motion other parameters may absorb friction. Recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionSignificance = 0.25;
-/// A joint whose friction gives energy adds kGivesEnergy > kBetter to the misfit.
+/// A joint with negative friction adds kGivesEnergy > kBetter to the misfit.
 constexpr double kGivesEnergy = 1.5;
-/// unexplained share with the file's values < kTelling * that without: their ratio to the torques is used.
+/// unexplained share with the file's values < kTelling * that with fitted ones: the ratio of their torques to
+/// the recorded ones is used.
 constexpr double kTelling = 0.5;
-/// |ln(ratio)| > ln(kTorqueFactor): the misfit grows by one for every further such factor, up to kMostOff, which is
-/// also what a ratio of the other sign adds.
+/// |ln(ratio)| > ln(kTorqueFactor): the misfit increases by one for each further factor of this size, up to
+/// kMostOff, which a ratio of the wrong sign adds as well.
 constexpr double kTorqueFactor = 2.0, kMostOff = 3.0;
-/// position < lower - kBeyondLimits * range, or beyond the other end: outside of the joint's limits.
+/// position < lower limit - kBeyondLimits * range, or as far above the upper one: outside of the joint's
+/// limits.
 constexpr double kBeyondLimits = 0.05;
-/// questions answered together <= kMostTogether.
+/// number of mistakes that are assumed at the same time <= kMostTogether.
 constexpr int kMostTogether = 4;
-/// polish of a direction: steps halve until < kFinest [rad].
+/// refinement of a direction of gravity: steps are halved until < kFinest [rad].
 constexpr double kFinest = 4e-3;
 
 /// Counts of one turn of usual encoders.
@@ -53,86 +57,100 @@ inline constexpr const char* kTorqueUnits[][2] = {{"mNm", "in"}, {"Ncm", "in"}, 
                                                   {"%", "percent"}, {"permille", "thousandths"}, {"share", "shares"}};
 /// Angles of all joints span >= kLeastTravel and <= kMostTravel [rad] where counts are turned into them.
 constexpr double kLeastTravel = 0.05, kMostTravel = 13.0;
-/// tilt = kTilt [rad]: directions of gravity beside that of the file, the axes, edges and corners; polished afterwards.
+/// tilt = kTilt [rad]: directions of gravity next to that of the file, along axes, edges and corners; refined
+/// afterwards.
 constexpr double kTilt = 0.35;
-/// Gears with kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep, where positions leave the limits; a ratio
-/// within kWholeRatio of a whole number is rounded to it.
+/// Gear ratios kLeastRatio <= ratio < kMostRatio are tried in relative steps of kRatioStep if positions leave
+/// the limits; a ratio within kWholeRatio of an integer is rounded to it.
 constexpr double kLeastRatio = 5.0, kMostRatio = 320.0, kRatioStep = 0.04, kWholeRatio = 3e-3;
-/// Another zero of a joint = kZeros [rad], quarter turns, polished from steps of kZeroStep on; near the file's own zero
-/// a diagnosis measures it.
+/// Zeros of a joint = kZeros [rad], quarter turns, refined from steps of kZeroStep; a diagnosis measures
+/// smaller offsets.
 inline constexpr double kZeros[] = {-1.5707963267948966, 1.5707963267948966, 3.141592653589793};
 constexpr double kZeroStep = 0.1;
 /// |component of a direction| < kTiny: rounding.
 constexpr double kTiny = 1e-9;
-/// kRidge is added to normal equations with a diagonal of ones: columns that others replace get no share.
+/// kRidge is added to normal equations with a diagonal of ones, so that dependent columns can be solved for.
 constexpr double kRidge = 1e-12;
-/// folds of contiguous blocks = kFolds; each is predicted from the others.
+/// number of folds of contiguous blocks = kFolds; each fold is predicted from the others.
 constexpr int kFolds = 4;
-/// [Hz] grid = kGrid, on which recordings are compared where it has kRowsAWave rows a wave of the cut-off.
+/// [Hz] rate = kGrid, at which recordings are compared if it gives kRowsAWave rows per period of the cut-off.
 constexpr double kGrid = 50.0, kRowsAWave = 10.0;
 /// Square of the second difference of white noise = kSecondDifference * its variance.
 constexpr double kSecondDifference = 6.0;
-/// share of a spring's torque that gravity cannot take over < kSpringApart: a spring and a load cannot be separated.
-/// and the joint moves over a share < kWeakly of its range, so that other angles are to be expected.
+/// share of a spring's torque that gravity cannot represent < kSpringApart: spring and load cannot be
+/// separated, if the joint also moves over a share < kWeakly of its range, so that larger motions are to be
+/// expected.
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
-/// error left < kLess * that without: the fit counts.
+/// remaining error < kLess * the error without the fit: the fit counts.
 constexpr double kLess = 0.98;
-/// error left with transformations < kMostOfIt * that without: a diagnosis continues with them although the model lacks something else.
+/// remaining error with transformations < kMostOfIt * the error without them: a diagnosis applies them even
+/// though the model lacks something else.
 constexpr double kMostOfIt = 0.1;
-/// error left > kOutstanding * that of another recording of the command: it may have a mistake of its own.
+/// remaining error > kOutstanding * that of another recording of the command: the recording may have a
+/// mistake of its own.
 constexpr double kOutstanding = 3.0;
-/// error left > kUnexplained with any transformation: the torques do not belong to this arm's motion.
+/// remaining error > kUnexplained with any transformation: the torques do not belong to this arm's motion.
 constexpr double kUnexplained = 0.6;
-/// error left of one joint > kNothing while other joints are explained: its torque does not follow from the motion.
+/// remaining error of one joint > kNothing while other joints are explained: its torque does not follow from
+/// the motion.
 constexpr double kNothing = 0.95;
-/// error left with a fitted direction of gravity <= kFittedNear, or kNearNoise times the noise: explained. Perfect recordings leave
-/// 0.6 %; a force on the tip of a planar arm leaves 1.3 %.
+/// remaining error with a fitted direction of gravity <= kFittedNear, or kNearNoise times the noise:
+/// explained. Perfect recordings leave 0.6 %; a force on the tip of a planar arm leaves 1.3 %.
 constexpr double kFittedNear = 8e-3;
-/// rows >= kRowsOfAnArm (6 s at 200 Hz): a large error is not due to too few rows.
+/// rows >= kRowsOfAnArm (6 s at 200 Hz): a large error does not come from too few rows.
 constexpr int kRowsOfAnArm = 1200;
-/// error left of a joint < kSure: a contradiction to friction or to the values of the file there is a wrong sign of its torque.
+/// remaining error of a joint < kSure: negative friction, or torques opposite to those of the file's values,
+/// mean that its torque has the wrong sign.
 constexpr double kSure = 0.2;
-/// smallest size of a torque < kTouches * its rms: a size without its sign passes zero where the torque changes sign; a torque that
-/// gravity holds on one side does not.
+/// smallest absolute torque < kTouches * its rms: the recorded torque reaches zero without changing its sign,
+/// so that its sign was lost; a torque that gravity keeps on one side does not reach zero.
 constexpr double kTouches = 0.01;
-/// sets of answers that are followed <= kBeam.
+/// number of hypotheses that are extended in each round <= kBeam.
 constexpr int kBeam = 3;
-/// error left with an answer < kFitted * error left without it: required of answers that fit numbers or replace the arm, as long as the arm does not fit, and of those that are not sure.
+/// remaining error with a hypothesis < kFitted * that without it: required of hypotheses with fitted numbers
+/// or another arm as long as the arm does not fit, and of uncertain ones.
 constexpr double kFitted = 0.5;
-/// Cost of a position's sign - cost of a torque's = kOfPosition: an arm that is its own mirror image fits both alike.
+/// Cost of a wrong sign of a position minus that of a torque = kOfPosition: an arm that is its own mirror
+/// image fits both equally well.
 constexpr double kOfPosition = 0.3;
-/// Cost of a question with a number of its own - cost of one without = kOfNumber.
+/// Additional cost of a hypothesis with a fitted number = kOfNumber.
 constexpr double kOfNumber = 0.6;
-/// error left of a joint > kBadly: its columns may belong to another joint, or its zero be another; missing effects leave less.
+/// remaining error of a joint > kBadly: its columns may belong to another joint, or its zero may differ;
+/// missing effects cause less.
 constexpr double kBadly = 0.04;
-/// relative error of some joint > kAskedAbove: identified recordings are checked.
+/// relative error of some joint > kAskedAbove: the recordings of an identification are checked.
 constexpr double kAskedAbove = 0.08;
-/// common factor of torques > 1 / kBehindGear: in front of gears; values of files are less far off.
+/// common factor of all torques > 1 / kBehindGear: measured in front of gears; the values of files are closer
+/// to the truth.
 constexpr double kBehindGear = 0.2;
-/// factor of one torque alone > kOwnFactor, or below its inverse: asked; less is left to a diagnosis.
+/// factor of a single torque > kOwnFactor, or below its inverse: tested here; a diagnosis estimates smaller
+/// ones.
 constexpr double kOwnFactor = 1.2;
-/// |delay of torques| = kDelays [s], and kDrift times it at the end where another clock runs, polished afterwards: half a wave of
-/// usual motions to either side is found.
+/// Tested delays of torques: +-kDelays [s], also with a drift of kDrift times the delay over the recording,
+/// as between two clocks; refined afterwards. Delays of up to half a period of usual motions are found.
 inline constexpr double kDelays[] = {0.03, 0.1};
 constexpr double kDrift = 3.0;
-/// Moments at which something may have changed = kMoments - 1; cost of leaving all rows out = kOfRows, so that of parts
-/// that fit alike the longest is kept.
+/// Number of moments at which something may have changed = kMoments - 1; cost of excluding rows = kOfRows, so
+/// that the longest part is kept among those that fit equally well.
 constexpr int kMoments = 16;
 constexpr double kOfRows = 3.0;
-/// steps of inverse iteration = kPowers, of which each divides the rest by the ratio of two eigenvalues.
+/// number of inverse iterations = kPowers; each divides the error by the ratio of two eigenvalues.
 constexpr int kPowers = 8;
-/// speeds of all joints < kAtRest [rad/s or m/s] for kLongRest [s]: the arm rests, and its brakes may carry it.
+/// speeds of all joints < kAtRest [rad/s or m/s] for kLongRest [s]: the arm is at rest and may be held by its
+/// brakes.
 constexpr double kAtRest = 0.01, kLongRest = 0.5;
-/// |share of a range| < kMostShare [%]: a little beyond its ends.
+/// |share of a range| < kMostShare [%]: positions may lie slightly beyond the ends.
 constexpr double kMostShare = 110.0;
-/// bit of a load register = kDirectionBit; both directions occur in one row of kBothDirections and more.
+/// direction bit of a load register = kDirectionBit; both directions occur in at least one of kBothDirections
+/// rows.
 constexpr double kDirectionBit = 1024.0, kBothDirections = 20.0;
-/// directions around one = kTiltDirections; gravity = kGravity [m/s^2] where the file has none.
+/// number of directions around one = kTiltDirections; gravity = kGravity [m/s^2] if the file has none.
 constexpr int kTiltDirections = 8;
 constexpr double kGravity = 9.81;
-/// cosine between the file's gravity and another > kLeaning: within 45 degrees the base leans.
+/// cosine between the file's gravity and another direction > kLeaning: within 45 degrees the finding is a
+/// tilted base.
 constexpr double kLeaning = 0.7071;
-/// step of time >= kShortestStep [s] where a rate is made of it.
+/// time step >= kShortestStep [s] where a rate is computed from it.
 constexpr double kShortestStep = 1e-6;
 
 }  // namespace veridyn::checking

@@ -31,7 +31,7 @@ std::vector<std::pair<std::string, std::string>> assignments(const std::string& 
   return out;
 }
 
-// Columns of these names; currents were turned into torques.
+// The columns of this signal; currents have been converted to torques.
 MatrixXd* columns_of(const std::string& signal, Recording& r) {
   for (const auto& [name, values] : {std::pair{"q", &r.q}, std::pair{"dq", &r.dq}, std::pair{"ddq", &r.ddq}, std::pair{"tau", &r.tau}, std::pair{"i", &r.tau}}) {
     if (signal == name) return values->size() > 0 ? values : nullptr;
@@ -59,7 +59,7 @@ std::vector<recordings::UnitScale> scales_of(const std::string& signal, const st
   return out;
 }
 
-// Rows in which all joints rest for a while.
+// True for rows in which all joints are at rest for some time.
 std::vector<char> rows_at_rest(const Recording& r) {
   std::vector<char> out(static_cast<std::size_t>(r.rows()), 0);
   for (int first = 0, k = 1; k <= r.rows(); ++k) {
@@ -71,7 +71,7 @@ std::vector<char> rows_at_rest(const Recording& r) {
   return out;
 }
 
-// A question about a number; neighbours() gives the same question at nearby numbers.
+// A hypothesis with a fitted number; neighbours() gives the same hypothesis with nearby numbers.
 RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<std::vector<RecordingQuestion>(double)> neighbours) {
   q.price = checking::kOfNumber;
   q.first_distance = distance;
@@ -79,7 +79,8 @@ RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<s
   return q;
 }
 
-// Positions of all joints, or of one (from 0) of this name, were measured in front of a gear of this ratio.
+// The positions of all joints, or of the joint with this index (from 0) and name, were measured on the motor
+// side of a gear.
 RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
@@ -92,7 +93,7 @@ RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, c
                   });
 }
 
-// The position of a joint (from 0) is this angle where the robot file has zero.
+// The joint (from 0) has this angle where the robot file has zero.
 RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
   const std::string words = fmt::format("{:.4g}", zero);
   return numbered({"encoder_zero", joint + 1, 0, text("The position of ", name, " is counted from another zero, which lies at ", words, " rad"), text("q", joint + 1, "=rad@", words)},
@@ -101,8 +102,8 @@ RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
                   });
 }
 
-// The torques of all joints, or of one (from 0) of this name, were measured `late` seconds after the motion, and `later` at the end
-// of a recording of this length.
+// The torques of all joints, or of the joint with this index (from 0) and name, were measured `late` seconds
+// after the motion, and `later` seconds at the end of a recording of this length.
 RecordingQuestion torques_late(double late, double later, double length, int joint = -1, const std::string& name = "") {
   const auto when = [](double by) { return fmt::format("{:.0f} ms {} the motion", 1e3 * std::abs(by), by < 0.0 ? "before" : "after"); };
   const bool drifts = late != later;
@@ -134,7 +135,7 @@ RecordingQuestion torques_late(double late, double later, double length, int joi
   return q;
 }
 
-// The rows up to a moment [s] of the recording, or those after it, do not belong to the others.
+// The part of a recording, before or after a moment [s], that does not fit the rest.
 enum class Part { kBefore, kAfter };
 RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
   const long row = std::lower_bound(r.time.begin(), r.time.end(), r.time[0] + moment) - r.time.begin();
@@ -152,7 +153,7 @@ RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
   return q;
 }
 
-// Units that all joints may have instead of those that SI prescribes.
+// Units that the signals of all joints may have instead of SI.
 struct Unit {
   const char* finding;
   const char* what;
@@ -196,7 +197,7 @@ class List {
  private:
   int joints() const { return arm_.joints(); }
   bool slides(int i) const { return joints_[i].prismatic; }
-  bool is_bad(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kBadly; }
+  bool is_badly_explained(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kBadly; }
   std::string name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
   bool has_velocity() const { return r_.dq.size() > 0; }
 
@@ -218,14 +219,15 @@ class List {
   void signs() {
     for (int i = 0; i < joints(); ++i) {
       if (moves_[i]) add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", reversed({torque_}, i));
-      if (!is_bad(i)) continue;
+      if (!is_badly_explained(i)) continue;
       add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kOfPosition;
       add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kOfPosition;
     }
     if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
 
-  // A unit of positions and velocities of all joints; what is derived anew where a file has no velocity in it.
+  // Positions and velocities of all joints in another unit. Velocities are derived again if the file has none
+  // in the new unit.
   void in_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
     if (!dq.empty() && !has_velocity()) return;
     const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
@@ -239,7 +241,7 @@ class List {
 
   bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
 
-  // "q=mm,dq=mm/s"; of an arm that also turns, of each sliding joint.
+  // "q=mm,dq=mm/s"; for an arm with revolute joints, this for each prismatic joint.
   void millimetres() {
     std::string units;
     for (int i = 0; i < joints(); ++i) {
@@ -256,9 +258,9 @@ class List {
     for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += is_beyond(i) ? 1 : 0;
     for (int i = 0; i < joints(); ++i) {
       for (const double zero : checking::kZeros) {
-        if (is_bad(i) && !slides(i)) out_.push_back(zero_at(zero, i, name(i)));
+        if (is_badly_explained(i) && !slides(i)) out_.push_back(zero_at(zero, i, name(i)));
       }
-      // One joint of several in degrees, as its own driver publishes it.
+      // One joint alone in degrees, as separate drivers may publish it.
       if (beyond == moving || !is_beyond(i)) continue;
       if (has_velocity()) add("degrees", i + 1, "Position and velocity of " + name(i) + " are degrees", fmt::format("q{0}=deg,dq{0}=deg/s", i + 1));
       add("degrees", i + 1, "The position of " + name(i) + " is in degrees", text("q", i + 1, "=deg"));
@@ -282,7 +284,8 @@ class List {
     }
   }
 
-  // Gears by which the largest angle of one joint (from 0), or of all, is one that an arm has.
+  // Gear ratios that bring the largest angle of one joint (from 0), or of all joints, into the range of an
+  // arm.
   void motor_side(double largest, int joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
@@ -297,14 +300,14 @@ class List {
     }
     for (int i = 0; i < joints(); ++i) {
       for (const char* unit : {"mNm", "Ncm"}) {
-        if (is_bad(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
+        if (is_badly_explained(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
       }
     }
     if (std::all_of(arm_.coordinates().begin(), arm_.coordinates().end(), [](const Coordinate& c) { return c.drive_gain > 0.0; }))
       add("current", 0, "Efforts are motor currents", "tau=A");
   }
 
-  // Torques in a unit of their own, by the factors that fit best: of one joint, and of all.
+  // Torques in another unit, by the factors that fit best: of one joint, and of all.
   void factors(const QuickFit& fit) {
     const auto is_beyond = [](double factor, double bound) { return factor > bound || (factor > 0.0 && factor * bound < 1.0); };
     const auto is_far = [&](double factor) { return is_beyond(factor, checking::kTorqueFactor); };
@@ -334,7 +337,7 @@ class List {
     add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kOfNumber * joints();
   }
 
-  // Torques of an arm that rests between its motions.
+  // Torques of an arm that brakes hold between its motions.
   void brakes() {
     const std::vector<char> rests = rows_at_rest(r_);
     const long count = std::count(rests.begin(), rests.end(), 1);
@@ -348,10 +351,11 @@ class List {
     };
   }
 
-  // Torques measured at other times. Errors below kBadly are those of friction near rest on sound recordings: not asked about.
+  // Torques that lag or lead the motion. Errors below kBadly come from friction near rest on correct
+  // recordings, and are not tested.
   void clocks() {
     bool any = false;
-    for (int i = 0; i < joints(); ++i) any = any || is_bad(i);
+    for (int i = 0; i < joints(); ++i) any = any || is_badly_explained(i);
     if (!any) return;
     const double length = r_.time[r_.rows() - 1] - r_.time[0];
     for (const double late : checking::kDelays) {
@@ -359,7 +363,7 @@ class List {
         out_.push_back(torques_late(d, d, length));
         out_.push_back(torques_late(0.0, checking::kDrift * d, length));
         for (int i = 0; i < joints() && joints() > 1; ++i) {
-          if (is_bad(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
+          if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
         }
       }
     }
@@ -370,7 +374,7 @@ class List {
     }
   }
 
-  // Whole numbers up to 2047, on both sides of 1024.
+  // True for whole numbers up to 2047, on both sides of 1024.
   bool is_load_register() const {
     long high = 0, low = 0;
     for (const double v : r_.tau.reshaped()) {
@@ -381,7 +385,7 @@ class List {
     return checking::kBothDirections * static_cast<double>(std::min(high, low)) > static_cast<double>(high + low);
   }
 
-  // Columns of these signals in another order, by the column that holds each joint.
+  // Columns of these signals in another order: the index of the column that holds each joint.
   RecordingQuestion& arranged(int joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
     RecordingQuestion& q = add("swapped_joints", joint, what, "");
     for (const std::string& signal : signals) {
@@ -392,13 +396,14 @@ class List {
     return q;
   }
 
-  // Two joints exchanged; all in the alphabetical order of their names, as ROS sorts them, or moved on by one.
+  // Two joints exchanged; all joints in the alphabetical order of their names, as ROS sorts them; all joints
+  // shifted by one.
   void exchanges() {
     std::vector<int> own(static_cast<std::size_t>(joints()));
     std::iota(own.begin(), own.end(), 0);
     for (int i = 0; i < joints(); ++i) {
       for (int j = i + 1; j < joints(); ++j) {
-        if (!moves_[i] || !moves_[j] || !(is_bad(i) || is_bad(j))) continue;
+        if (!moves_[i] || !moves_[j] || !(is_badly_explained(i) || is_badly_explained(j))) continue;
         std::vector<int> order = own;
         std::swap(order[i], order[j]);
         const std::string pair = name(i) + " and " + name(j);
@@ -414,7 +419,7 @@ class List {
     std::rotate(back.begin(), back.end() - 1, back.end());
     int moved = 0;
     for (int i = 0; i < joints(); ++i) moved += alphabetical[i] != i ? 1 : 0;
-    if (moved > 2) {  // two are an exchange
+    if (moved > 2) {  // two moved joints are an exchange
       arranged(0, "All columns are in the alphabetical order of the joints' names", all_, alphabetical);
       arranged(0, "The torques are in the alphabetical order of the joints' names", {torque_}, alphabetical);
     }
@@ -451,7 +456,7 @@ class List {
         if (frame.type == JointType::kPrismatic) frame.variable.offset -= other_row.d;
         other_row.convention = standard ? DhConvention::kModified : DhConvention::kStandard;
         place(frame, other_row);
-        if (frame.body) frame.body->phi.reset();  // in the other frame
+        if (frame.body) frame.body->phi.reset();  // the values do not hold in the other convention's frame
       }
     };
   }
@@ -462,12 +467,12 @@ class List {
   const std::vector<bool>& moves_;
   VectorXd shares_;  // unexplained, by joint
   std::vector<WantedJoint> joints_;
-  Names motion_, all_;  // signals of the motion that are recorded, and with the torque
+  Names motion_, all_;  // recorded signals of the motion; the same with the torque
   bool turning_ = false, sliding_ = false;
   std::vector<RecordingQuestion> out_;
 };
 
-// Positions have one unit.
+// True if the hypothesis concerns the unit of positions, of which there is only one.
 bool is_position_unit(const RecordingQuestion& q) { return q.units.rfind('q', 0) == 0 && q.finding != "position_sign"; }
 
 }  // namespace
@@ -478,7 +483,7 @@ bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
   if (is_position_unit(*this) && is_position_unit(o)) return joint == 0 || o.joint == 0 || joint == o.joint;
   if (finding == "torque_unit" && o.finding == "current") return true;
   if (robot || o.robot) return finding == o.finding;
-  // That torques of two joints are exchanged and that their motions are is one mistake, seen from either side.
+  // Exchanged torques and exchanged motions of the same two joints are one mistake.
   if (second != 0 && joint == o.joint && second == o.second && !is_whole() && !o.is_whole()) return false;
   if (finding != o.finding && (finding == "torque_sign" || o.finding == "torque_sign" || finding == "torque_unit" || o.finding == "torque_unit" ||
                                joint * o.joint == 0))
@@ -524,7 +529,7 @@ RecordingQuestion gravity_along(const Eigen::Vector3d& gravity) {
 }
 
 std::string options_of(const std::vector<RecordingQuestion>& questions) {
-  std::vector<std::pair<std::string, std::string>> units;  // of each signal
+  std::vector<std::pair<std::string, std::string>> units;  // units of each signal
   std::string map, other;
   for (const RecordingQuestion& q : questions) {
     for (const auto& one : assignments(q.units)) units.push_back(one);
@@ -533,7 +538,7 @@ std::string options_of(const std::vector<RecordingQuestion>& questions) {
   }
   std::string out;
   for (const auto& [signal, unit] : units) {
-    // A sign of one joint is combined with the unit of all joints.
+    // Combines the sign of one joint with the unit of all joints.
     const std::string whole = column(signal).first;
     const auto all = std::find_if(units.begin(), units.end(), [&](const auto& one) { return one.first == whole; });
     const bool sign_alone = whole != signal && unit[0] == '-' && all != units.end();

@@ -16,7 +16,8 @@
 namespace veridyn {
 namespace {
 
-// The arm with all parameters free: facts of the file do not hold for wrongly recorded signals.
+// The arm with all parameters free, because known values of the file are invalid for wrongly recorded
+// signals.
 Model with_everything_open(const Model& arm) {
   ModelDescription d = arm.description();
   for (EffectTerm& term : d.effects) term.fixed = false;
@@ -27,7 +28,7 @@ Model with_everything_open(const Model& arm) {
   return Model(std::move(d));
 }
 
-// Least squares A x ~ b from the products of (A, b) with each other; columns may depend on each other.
+// Least squares A x ~ b from the products [A, b]' [A, b]; columns may be dependent.
 VectorXd solution(const MatrixXd& products) {
   const Eigen::Index size = products.rows() - 1;
   const VectorXd scale = products.diagonal().head(size).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -43,7 +44,7 @@ double residual2(const MatrixXd& products, VectorXd x) {
   return std::max(0.0, x.dot(products * x));
 }
 
-// Products of (A M, b) from those of (A, b), or of (A, B m) from those of (A, B).
+// Products of (A M, b) from those of (A, b), or of (A, B M) from those of (A, B).
 MatrixXd changed(const MatrixXd& products, const MatrixXd& left, const MatrixXd& right) {
   MatrixXd map = MatrixXd::Zero(left.rows() + right.rows(), left.cols() + right.cols());
   map.topLeftCorner(left.rows(), left.cols()) = left;
@@ -73,7 +74,7 @@ QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options, 
 }
 
 std::tuple<int, int, double> QuickFitter::determined(const Recording& recording) const {
-  // Without rotor inertia, which a motion hardly separates from the inertia of the first links.
+  // Rotor inertia is left out, since a motion hardly separates it from the inertia of the first links.
   const Model plain = with_everything_open(with_plain_friction(given_));
   const std::vector<CompressedRecording> c = {compress(plain, recording, options_)};
   const std::vector<StandardParameter> parameters = standard_parameters(plain);
@@ -89,7 +90,7 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   const int n = arm_.joints();
   const RegressorColumns columns(arm_, options_);
   const auto out = std::make_shared<RegressorMoments>();
-  std::vector<std::vector<int>> own(static_cast<std::size_t>(n));  // places of the base columns among those of a joint
+  std::vector<std::vector<int>> own(static_cast<std::size_t>(n));  // indices of the base columns among those of a joint
   out->columns.resize(own.size());
   for (int i = 0; i < n; ++i) {
     const std::vector<int>& all = columns.parameters_of(i);
@@ -105,7 +106,7 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   out->products.assign(checking::kFolds, none);
   out->power = MatrixXd::Zero(n, base_.size());
   out->speed2 = VectorXd::Zero(n);
-  // Folds divide the time in which there are torques, so that rows without them at either end leave no fold empty.
+  // Folds divide the time between the first and the last torque, so that no fold is empty.
   double begin = recording.time[recording.rows() - 1] - recording.time[0], duration = 0.0;  // [s] since the recording began
   for (Eigen::Index k = 0; k < recording.tau.rows(); ++k) {
     if (!recording.tau.row(k).array().isFinite().any()) continue;
@@ -138,7 +139,7 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   try {
     for_each_segment(arm_, recording, options_, add);
   } catch (const InvalidInput&) {
-    return nullptr;  // numbers that no recording has, after a transformation
+    return nullptr;  // numbers that no recording can have, after a transformation
   }
   for (std::vector<MatrixXd>& fold : out->products) {
     for (MatrixXd& products : fold) {
@@ -162,7 +163,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     out.noise2[i] = facts_.noise2[from];
   }
   if (moments == nullptr) return out;
-  // By fold and joint, and summed: products of its columns and its torque.
+  // Products of the columns and the torque, for each fold and joint, and their sum.
   std::vector<std::vector<MatrixXd>> folds = moments->products;
   std::vector<MatrixXd> sums(static_cast<std::size_t>(n));
   VectorXd all(n), left = VectorXd::Zero(n);
@@ -191,7 +192,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
       left[i] += error2;
     }
   }
-  // Of a joint without torque nothing is unexplained.
+  // The unexplained share of a joint without torque is zero.
   out.shares = (all.array() > 0.0).select(left.cwiseQuotient(all.cwiseMax(1e-300)).cwiseMin(1.0), 0.0);
   const auto solved = [&](const VectorXd& rhs) {
     total.col(size).head(size) = rhs;
@@ -204,8 +205,8 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     out.friction[i] = power.dot(beta);
     out.friction_significance[i] = std::abs(out.friction[i]) / std::max(std::sqrt(std::max(0.0, power.dot(solved(power)))) * rho, 1e-300);
   }
-  // Squared residuals as a quadratic form of one factor for each joint's torque, all other parameters fitted. A joint whose
-  // torque depends on its own parameters only determines no factor.
+  // Squared residuals as a quadratic form in one factor for each joint's torque, with all other parameters
+  // fitted. A joint whose torque depends on its own parameters only does not determine a factor.
   MatrixXd Q = MatrixXd::Identity(n + 1, n + 1);
   for (int i = 0; i < n; ++i) Q.col(i).head(n) -= of_torque.transpose() * solved(of_torque.col(i));
   for (int i = 0; i < n; ++i) {
@@ -245,7 +246,7 @@ RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& o
   const double rate = std::min(checking::kGrid, 1.0 / std::max(median_step(recording.time), checking::kShortestStep));
   RecordedFacts out{detect_period(recording).seconds, VectorXd::Zero(recording.tau.cols())};
   for (Eigen::Index j = 0; j < recording.tau.cols(); ++j) {
-    // The median of second differences: friction that reverses is no noise.
+    // Noise by the median of second differences, which ignores reversals of friction.
     std::vector<double> second;
     double torque2 = 0.0;
     for (Eigen::Index k = 2; k < recording.time.size(); ++k) {
@@ -291,8 +292,8 @@ VectorXd QuickFitter::springs_apart(const Recording& recording) const {
   return out;
 }
 
-// Factor between the torques of the file's values and the recorded ones, beside friction and rotor inertia, which
-// files lack.
+// Ratio of the recorded torques to those of the file's values, with friction and rotor inertia, which files
+// do not contain, fitted in addition.
 double QuickFitter::ratio(const MatrixXd& products, const std::vector<int>& columns) const {
   const MatrixXd H = changed(products, known_(columns, Eigen::all), MatrixXd::Ones(1, 1));
   if (H(0, 0) < 1e-300) return 0.0;
@@ -301,8 +302,8 @@ double QuickFitter::ratio(const MatrixXd& products, const std::vector<int>& colu
   return residual2(H, x) < checking::kTelling * residual2(without, solution(without)) ? x[0] : 0.0;
 }
 
-// Power that plain friction along an axis s = c . q takes from the joints: constant against ds, or proportional to it;
-// several axes may share a joint.
+// Adds the power that plain friction along an axis s = c . q dissipates, with constant torque and with torque
+// proportional to ds; several axes may act on one joint.
 void QuickFitter::add_power(const MatrixXd& dq, RegressorMoments& out) const {
   for (int j = 0; j < base_.size(); ++j) {
     const StandardParameter& p = parameters_[base_.independent[j]];

@@ -15,41 +15,42 @@
 
 namespace veridyn {
 
-/// Sums over the rows of a recording, which determine its fit with any linear map of its torques.
+/// Sums over the rows of a recording from which its fit follows for any linear map of its torques.
 struct RegressorMoments {
-  std::vector<std::vector<MatrixXd>> products;  ///< by fold and joint: of its base columns and of all torques with each other
-  std::vector<std::vector<int>> columns;        ///< of every joint, among the base parameters
+  std::vector<std::vector<MatrixXd>> products;  ///< for each fold and joint: products of the base columns and all torques
+  std::vector<std::vector<int>> columns;        ///< of every joint: indices of the base parameters
   MatrixXd power;   ///< (n x base) sum of the power that friction takes from each joint
   VectorXd speed2;  ///< by joint
 };
 
-/// Properties of a recording that its transformations leave as they are.
+/// Properties of a recording that do not change under the tested transformations.
 struct RecordedFacts {
   double period = 0.0;  ///< [s] 0: none
-  VectorXd noise2;      ///< by joint: share of its squared torque that white noise has
+  VectorXd noise2;      ///< (n) share of each joint's squared torque that is white noise
 };
 RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& options);
 
-/// Result of one short identification; errors are those of rows that were held out.
+/// Result of one short identification; errors refer to held-out rows.
 struct QuickFit {
   VectorXd shares;  ///< by joint: unexplained share of its squared torque
   MatrixXd folds;   ///< (joints x folds) the same in each fold
-  /// Sum over the joints of log(share), and what contradicts physics or the values of the file; the smaller the better.
+  /// Sum over the joints of log(share), plus costs of contradictions to physics or to the file's values.
   double misfit = 0.0;
-  double contradictions = 0.0;  ///< of these, the latter
+  double contradictions = 0.0;  ///< the part of the misfit from contradictions to the file's values
   VectorXd friction;               ///< by joint: power lost to friction, relative to rms torque times rms speed
   VectorXd friction_significance;  ///< by joint: relative rise of the rms misfit without friction
-  /// By joint: recorded torque per torque of the file's values; 0 where they explain too little of it.
+  /// (n) recorded torque relative to that of the file's values; 0 if these explain too little of it.
   VectorXd ratios;
-  /// By joint: factor of its torque that fits best, where only its own differs from one, and where all do, up to a common factor.
+  /// (n) factor of each torque that fits best, if only this one is scaled, and if all are, up to a common
+  /// factor.
   VectorXd alone, together;
-  VectorXd noise2;  ///< by joint: share of its squared torque that white noise has
-  std::shared_ptr<const RegressorMoments> moments;  ///< of the motion that was fitted
+  VectorXd noise2;  ///< (n) share of each joint's squared torque that is white noise
+  std::shared_ptr<const RegressorMoments> moments;  ///< sums of the fitted motion
 
-  /// Relative error of the torque, root mean square over the joints; and that of white noise.
+  /// Relative error of the torque, root mean square over the joints; noise() is the same for white noise.
   double left() const { return std::sqrt(shares.mean()); }
   double noise() const { return std::sqrt(noise2.mean()); }
-  /// True if what is left of a joint is near its noise.
+  /// True if the remaining error of a joint is close to its noise.
   bool is_near(Eigen::Index joint) const {
     return std::sqrt(shares[joint]) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
   }
@@ -61,22 +62,22 @@ struct QuickFit {
   }
 };
 
-/// Fits an arm with plain friction, rotor inertia and all parameters free to one short recording after the other.
+/// Fits an arm with plain friction, rotor inertia and all parameters free to short recordings.
 class QuickFitter {
  public:
   QuickFitter(const Model& arm, const PreprocessingOptions& options, const RecordedFacts& facts);
 
-  /// Number of base parameters that the recording determines, of how many, and their condition number.
+  /// Number of base parameters that the recording determines, their total number, and the condition number.
   std::tuple<int, int, double> determined(const Recording& recording) const;
 
-  /// @returns null where the recording holds too few rows, or no finite numbers.
+  /// @returns null if the recording has too few rows, or numbers that are not finite.
   std::shared_ptr<const RegressorMoments> moments(const Recording& recording) const;
 
-  /// @param torques  (n x n) torque of joint i = column i times those recorded.
+  /// @param torques  (n x n) maps the recorded torques to those of the joints, row i for joint i.
   QuickFit fit(const std::shared_ptr<const RegressorMoments>& moments, const MatrixXd& torques) const;
 
-  /// By joint: share of a spring's torque that neither gravity nor anything else of the arm can take over, its offset
-  /// left aside.
+  /// (n) share of a spring's torque on each joint that no other parameter of the arm can represent, its
+  /// offset excluded.
   VectorXd springs_apart(const Recording& recording) const;
 
  private:
@@ -89,7 +90,7 @@ class QuickFitter {
   RecordedFacts facts_;
   std::vector<StandardParameter> parameters_;
   BaseParameters base_;
-  MatrixXd known_;  // (base x 1 + effects) parameters of the file's values, and of every effect alone
+  MatrixXd known_;  // (base x 1 + effects) base parameters of the file's values, then those of each effect alone
   bool has_values_ = false;
 };
 

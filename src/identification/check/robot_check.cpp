@@ -28,12 +28,12 @@ std::string percent(double share) {
   return text(quality::number(100.0 * share), " %");
 }
 
-// A set of questions that are answered by yes, and the fit that follows.
+// A set of accepted hypotheses with the fit after their corrections.
 struct Answer {
   std::vector<RecordingQuestion> set;
   QuickFit fit;
-  double score = 0.0;  // misfit and costs, relative to the recording as it is
-  MatrixXd before;     // folds without the last question
+  double score = 0.0;  // misfit and costs, relative to the recording without corrections
+  MatrixXd before;     // folds without the last hypothesis
 };
 
 class RobotCheck {
@@ -43,23 +43,24 @@ class RobotCheck {
     moves_ = quality::Head(recording_).moves;
   }
 
-  // From now on delays and gains of torques, which a diagnosis estimates itself, are neither reported nor undone.
+  // From now on delays and gains of torques, which a diagnosis estimates itself, are neither reported nor
+  // corrected.
   void leave_causes() { leaves_causes_ = true; }
 
-  RobotAnswers run(double ask_above = 0.0) {
+  RobotAnswers run(double smallest_error = 0.0) {
     RobotAnswers out;
     if (is_identifiable()) {
       best_.fit = fit_of({});
       const QuickFit before = best_.fit;
       out.explained = is_explained(before);
       out.left = before.left();
-      if (!(out.left > ask_above)) return out;  // hardly moving joints were reported for the first recording
+      if (!(out.left > smallest_error)) return out;  // hardly moving joints were reported for the first recording
       search();
       const Answer none{{}, before, 0.0, {}};
       if (!helps(best_, before)) best_ = none;
       if (!is_explained(best_) && std::any_of(best_.set.begin(), best_.set.end(), is_fitted)) {
         const Answer fitted = std::exchange(best_, none);
-        say_perhaps(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent(before.noise()));
+        report_uncertain(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent(before.noise()));
       }
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
@@ -71,17 +72,17 @@ class RobotCheck {
         best_.fit = fit_of(best_.set);
       }
       report(before.left());
-      tell_weak_motions();
+      report_weak_motions();
       if (mends) out.set = std::move(best_.set);
     }
-    tell_what_hardly_moves(changed(out.set));
+    report_hardly_moving_joints(changed(out.set));
     out.findings = std::move(findings_);
     return out;
   }
 
   bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fit_of({})); }
 
-  // Transformations that leave a large error may only imitate a missing effect of the arm.
+  // True unless the remaining error is so large that the correction may only imitate a missing effect.
   static bool helps(const Answer& answer, const QuickFit& before) {
     const QuickFit& after = answer.fit;
     const bool is_sure = std::all_of(answer.set.begin(), answer.set.end(), [&](const RecordingQuestion& q) {
@@ -89,11 +90,11 @@ class RobotCheck {
     });
     if (is_explained(answer)) return true;
     if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); }))
-      return is_clear(after, before) && after.contradictions <= before.contradictions;  // a torque scaled to nothing leaves nothing
+      return is_clear(after, before) && after.contradictions <= before.contradictions;  // a torque that is scaled to zero would leave no error
     return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
   }
 
-  // Reports joints that the arm explains badly and whose torque never changes its sign, although it reaches zero.
+  // Reports joints that the arm explains badly and whose torque reaches zero without ever changing its sign.
   bool has_sizes_without_sign(const QuickFit& before) {
     const std::size_t known = findings_.size();
     for (int i = 0; i < joints() && !is_explained(best_); ++i) {
@@ -125,7 +126,7 @@ class RobotCheck {
   }
 
  private:
-  // True if the base parameters are identifiable; otherwise wrong signals would fit as well as right ones.
+  // True if the base parameters are identifiable; otherwise wrong signals would fit as well as correct ones.
   bool is_identifiable() {
     if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) return false;
     MatrixXd moving = recording_.q;
@@ -139,7 +140,7 @@ class RobotCheck {
     }
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
-    // Signals in another unit have other columns: only units are tested.
+    // Signals in another unit have other columns: units are tested before the check ends.
     if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
@@ -150,7 +151,7 @@ class RobotCheck {
     return false;
   }
 
-  // True if a unit of all joints explains the torques.
+  // True if another unit of all joints explains the torques.
   bool find_unit() {
     Answer as_recorded;
     as_recorded.fit = fit_of({});
@@ -162,7 +163,7 @@ class RobotCheck {
 
   double travel(int i, const Recording& recording) const { return quality::between_quantiles({recording.q.col(i).begin(), recording.q.col(i).end()}, 0.0, 1.0); }
 
-  void tell_what_hardly_moves(const Recording& recording) {
+  void report_hardly_moving_joints(const Recording& recording) {
     for (int i = 0; i < joints() && recording.rows() > 0; ++i) {
       const Limits& limits = given_.coordinates()[i].limits;
       const double share = travel(i, recording) / (limits.upper - limits.lower);
@@ -173,8 +174,8 @@ class RobotCheck {
     }
   }
 
-  // Over a small range gravity is nearly a straight line, as a spring is.
-  void tell_weak_motions() {
+  // Reports joints that move too little: over a small range gravity is nearly linear, as a spring is.
+  void report_weak_motions() {
     const VectorXd apart = fitter_.springs_apart(changed(best_.set));
     for (int i = 0; i < joints(); ++i) {
       const Coordinate& c = given_.coordinates()[i];
@@ -203,10 +204,10 @@ class RobotCheck {
 
   static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
 
-  // A direction of gravity that is fitted takes a part of any force that acts from outside; a delay, or rows that are left
-  // out, a part of anything that an arm lacks.
+  // True for corrections that can absorb errors of the model: a fitted direction of gravity absorbs a part of
+  // any external force; a delay, or excluded rows, a part of any missing effect.
   static bool is_fitted(const RecordingQuestion& q) { return (q.robot || q.rows) && q.neighbours; }
-  // Factors on single torques can imitate many missing effects.
+  // True for different factors on single torques, which can imitate many missing effects.
   static bool scales_joints_apart(const RecordingQuestion& q) {
     return q.finding == "torque_unit" && (q.joint != 0 || q.price > 0.0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
   }
@@ -221,7 +222,7 @@ class RobotCheck {
     return out;
   }
 
-  // The linear map from the recorded torques to those with the questions' units and exchanges.
+  // The linear map from the recorded torques to the corrected ones, with the units and exchanges of a set.
   MatrixXd torques_of(std::vector<RecordingQuestion> set) const {
     set.erase(std::remove_if(set.begin(), set.end(), is_of_rows), set.end());
     Recording units;
@@ -245,7 +246,8 @@ class RobotCheck {
     return fitter.fit(fitter.moments(recording), torques_of(set));
   }
 
-  // Transformations that leave the motion as it is need no new regressor.
+  // Tries one more hypothesis of the list. Transformations that leave the motion unchanged reuse its
+  // regressor.
   std::vector<Answer> tried(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
     std::vector<Answer> out(questions.size());
     const bool same_arm = !concern_robot(before.set);
@@ -259,8 +261,8 @@ class RobotCheck {
     return out;
   }
 
-  // Hypotheses that the answers so far leave open. If only the file's values or friction's sign are contradicted, they are about
-  // torques and gravity.
+  // Hypotheses that remain after those accepted so far. If only the file's values or the sign of friction
+  // contradict, they concern torques and gravity.
   std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
     std::vector<RecordingQuestion> all = questions_of(given_, recording_, moves_, so_far.fit);
     const bool fits = so_far.fit.is_near();
@@ -274,17 +276,18 @@ class RobotCheck {
     return all;
   }
 
-  // The best few sets are followed: each is extended by every open question that makes it much better.
+  // Beam search: each of the best few sets is extended by every remaining hypothesis that improves the fit
+  // clearly.
   void search() {
     std::vector<Answer> beam = {best_};
-    std::optional<std::pair<Answer, const char*>> doubt;  // another mistake beside it may still make it sure
+    std::optional<std::pair<Answer, const char*>> doubt;  // an uncertain set; a further mistake may still make it certain
     for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_); ++level) {
       std::vector<Answer> next, impossible;
       for (const Answer& parent : beam) {
         for (Answer& one : tried(parent, open_questions(parent))) {
           const RecordingQuestion& q = one.set.back();
           one.score = parent.score + one.fit.misfit - parent.fit.misfit + (q.finding == "current" ? checking::kGainsBetter : checking::kBetter) + q.price;
-          // The values of a file do not hold in another convention, and contradict nothing there.
+          // The file's values do not hold under another convention, so that they cannot contradict it.
           if (q.finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
           one.before = parent.fit.folds;
           if (one.score < parent.score) (is_possible(one) ? next : impossible).push_back(std::move(one));
@@ -294,13 +297,13 @@ class RobotCheck {
       std::sort(next.begin(), next.end(), better);
       std::sort(impossible.begin(), impossible.end(), better);
       if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front()) && !is_explained(next.front())))) {
-        say_perhaps(impossible.front(), "as recorded, all positions lie within the limits of the joints");
+        report_uncertain(impossible.front(), "as recorded, all positions lie within the limits of the joints");
         return;
       }
       const auto concerns_velocity = [](const Answer& one) { return one.set.back().units.rfind("dq=", 0) == 0; };
       if (level == 0 && recording_.dq.size() > 0 && (next.empty() || !is_explained(next.front()))) {
         QuickFit derived = fit_of({}, VelocitySource::kDerived);
-        if (is_explained(derived)) {  // the check of velocities names them
+        if (is_explained(derived)) {  // the check of velocities reports them
           best_.fit = std::move(derived);
           return;
         }
@@ -308,13 +311,13 @@ class RobotCheck {
       const std::vector<Answer> all = next;
       keep_the_best(next);
       for (Answer& one : next) one = polished(one);
-      // A number that is fitted, or another arm, helps a little against anything that the arm lacks.
+      // A fitted number, or another arm, reduces the error of any incomplete model a little.
       next.erase(std::remove_if(next.begin(), next.end(), [&](const Answer& one) {
                    return (one.set.back().neighbours || one.set.back().robot) && !is_explained(one) && one.fit.left() > checking::kFitted * best_.fit.left();
                  }), next.end());
       if (next.empty()) break;
       std::sort(next.begin(), next.end(), better);
-      // The noise of a recorded velocity makes friction near rest uncertain.
+      // Friction near rest is uncertain where the recorded velocity is noisy.
       if (!is_explained(next.front()) && !concerns_velocity(next.front())) {
         QuickFit quieter = fit_of(next.front().set, VelocitySource::kDerived);
         if (is_explained(quieter)) next.front().fit = std::move(quieter);
@@ -328,10 +331,10 @@ class RobotCheck {
       else if (next.front().score < best_.score) best_ = next.front();
       beam = std::move(next);
     }
-    if (doubt && doubt->first.fit.left() < checking::kFitted * best_.fit.left()) say_perhaps(doubt->first, doubt->second);
+    if (doubt && doubt->first.fit.left() < checking::kFitted * best_.fit.left()) report_uncertain(doubt->first, doubt->second);
   }
 
-  // One start is sufficient for each fitted number.
+  // Keeps one starting value for each fitted number.
   static void keep_the_best(std::vector<Answer>& sorted) {
     std::vector<Answer> kept;
     for (Answer& one : sorted) {
@@ -344,8 +347,8 @@ class RobotCheck {
     sorted = std::move(kept);
   }
 
-  // Answers that come close to each other, of which only one can hold, are what joints that move alike make of a torque
-  // that the arm does not explain; so is one that helps in a part of the recording only.
+  // Reason for which a set is uncertain, or null: exclusive sets have nearly the same score, as they do where
+  // joints move alike and the arm does not explain a torque; or a set helps in a part of the recording only.
   static const char* why_not_sure(const Answer& answer, const std::vector<Answer>& others) {
     const RecordingQuestion& q = answer.set.back();
     if (is_explained(answer) || q.finding == "torque_sign" || q.neighbours) return nullptr;
@@ -362,9 +365,9 @@ class RobotCheck {
     return nullptr;
   }
 
-  // Moves the last question of a set to its better neighbours, by steps that halve.
+  // Refines the fitted number of the last hypothesis, with steps that are halved.
   Answer polished(Answer answer) const {
-    if (answer.set.back().finding == "encoder_zero" && is_explained(answer)) return answer;  // a whole quarter turn
+    if (answer.set.back().finding == "encoder_zero" && is_explained(answer)) return answer;  // an exact multiple of a quarter turn
     const double first = answer.set.back().first_distance;
     for (double step = 0.5 * first; answer.set.back().neighbours && step > checking::kFinest * first;) {
       Answer without = answer;
@@ -382,15 +385,15 @@ class RobotCheck {
     return answer;
   }
 
-  // Number of joints whose positions leave their limits.
+  // Number of joints whose positions lie outside of their limits.
   int beyond_limits(const Recording& recording) const {
     int out = 0;
     for (int i = 0; i < joints(); ++i) out += leaves_limits(given_, i, recording) ? 1 : 0;
     return out;
   }
 
-  // The limits of the joints admit the positions that follow, no worse than those recorded; other units also
-  // need positions that are none in radians.
+  // True if the corrected positions are within the limits, or outside no more than those recorded. A change
+  // of units also needs positions that cannot be radians.
   bool is_possible(const Answer& answer) const {
     const RecordingQuestion& q = answer.set.back();
     const int as_recorded = beyond_limits(recording_);
@@ -400,7 +403,7 @@ class RobotCheck {
     return beyond_limits(changed(answer.set)) <= as_recorded;
   }
 
-  void say_perhaps(const Answer& answer, const std::string& but) {
+  void report_uncertain(const Answer& answer, const std::string& but) {
     const RecordingQuestion& q = answer.set.back();
     if (recording_.rows() < checking::kRowsOfAnArm) return;
     std::string what = q.what;
@@ -410,7 +413,7 @@ class RobotCheck {
              percent(best_.fit.left()), ", but ", but, "."), Severity::kInfo);
   }
 
-  // One line for each answer, with what the arm leaves without it and all options together.
+  // Reports one line for each accepted hypothesis, with the error without it and all options together.
   void report(double before) {
     std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
     const std::string options = options_of(best_.set);
@@ -445,7 +448,7 @@ PreprocessingOptions whole(PreprocessingOptions options) {
   return options;
 }
 
-// The check of a recording; nullopt if it has too few data.
+// The check of a recording; nullopt if it has too little data.
 std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const PreprocessingOptions& options) {
   require_joints_of(arm, recording.joints(), recording.source);
   const long first = std::min<long>(options.first_row, recording.rows());
@@ -454,8 +457,8 @@ std::optional<RobotCheck> check_of(const Model& arm, Recording recording, const 
   if (first > 0 || count < recording.rows())
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < checking::kFewestRows) return {};
-  if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows a wave
-  give_torques(arm, recording);
+  if (options.cutoff > 0.0 && median_step(recording.time) * options.cutoff >= 0.5) return {};  // the filter needs two rows per period
+  set_torques_from_currents(arm, recording);
   if (recording.tau.size() == 0) return {};
   if (recording.dq.isZero(0.0)) recording.dq.resize(0, 0);
   for (int i = 0; i < arm.joints(); ++i) {
@@ -476,7 +479,7 @@ std::optional<RobotCheck> check_of(const Model& arm, const std::string& name, co
 
 }  // namespace
 
-void give_torques(const Model& arm, Recording& recording) {
+void set_torques_from_currents(const Model& arm, Recording& recording) {
   if (recording.tau.size() > 0 || recording.current.size() == 0) return;
   recording.tau = recording.current;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -484,11 +487,11 @@ void give_torques(const Model& arm, Recording& recording) {
   }
 }
 
-RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double ask_above) {
+RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error) {
   std::optional<RobotCheck> check = check_of(arm, recording, options);
   if (!check) return {};
   check->leave_causes();
-  return check->run(ask_above);
+  return check->run(smallest_error);
 }
 
 bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {

@@ -17,7 +17,7 @@
 namespace veridyn {
 namespace {
 
-// For every recording the index of its load, or -1; loads without names are skipped.
+// For every recording the index of its load, or -1. Loads that name no recording are skipped.
 std::vector<int> named_loads(const std::vector<std::string>& recordings,
                              const std::vector<KnownMass>& loads) {
   std::vector<int> out(recordings.size(), -1);
@@ -87,7 +87,7 @@ DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, doub
   return out;
 }
 
-// The centre of a load from its first moments, if they are identifiable alone.
+// Computes the centre of a load from its first moments, if these are identifiable on their own.
 void find_centre(const GainFit& fit, int load, MountedLoad& mounted) {
   const std::vector<std::string> names = GainData::load_columns(load);
   const std::vector<std::string>& unknown = fit.columns.unknown;

@@ -25,7 +25,7 @@ bool lasting(const std::string& effect) {
   return find_effect(effect).traits().lasting;
 }
 
-// The arm in amperes: unit gains, facts as unknowns, and a body for the load.
+// The arm in amperes: unit gains, known values as unknowns, and a body for the load.
 Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   ModelDescription d = arm.description();
   for (Coordinate& c : d.coordinates) c.drive_gain = 1.0;
@@ -68,7 +68,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
   for (const int load : load_of) {
     arms_.push_back(arm_with_load(arm, loads[load], load));
     std::vector<StandardParameter> parameters = standard_parameters(arms_.back());
-    // Facts of the file are known values here as well.
+    // Known values of the file stay known.
     const std::vector<StandardParameter> own = standard_parameters(arm);
     for (StandardParameter& p : parameters) {
       const auto same = std::find_if(own.begin(), own.end(),
@@ -159,7 +159,7 @@ GainData::Columns GainData::columns(const std::vector<bool>& loaded) const {
     const auto count = static_cast<Eigen::Index>(kept.size());
     structure.merge(states.restricted(kept).transformed(MatrixXd::Identity(count, count), names));
   }
-  // Gains are the same with whichever independent columns.
+  // Gains do not depend on the choice of independent columns.
   std::vector<int> in_order(structure.size());
   std::iota(in_order.begin(), in_order.end(), 0);
   const BaseParameters base = base_parameters(structure, in_order);

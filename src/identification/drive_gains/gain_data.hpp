@@ -10,11 +10,11 @@
 
 namespace veridyn {
 
-/// Recordings of currents, compressed once, which provide the equations for any division into
-/// loaded and unloaded ones.
+/// Recordings of currents, compressed once, from which the equations follow for any division into loaded and
+/// unloaded recordings.
 ///
-/// Columns: standard parameters of the arm, a separate set per recording for effects that vary from
-/// day to day, and ten parameters of each load, on a frame of its own.
+/// Columns: standard parameters of the arm, with a separate set for each recording of the effects that vary
+/// from day to day, and ten parameters of each load, on a frame of its own.
 class GainData {
  public:
   /// @param load_of  for every recording the index of the load that it carries or may carry.
@@ -22,12 +22,11 @@ class GainData {
            const std::vector<KnownMass>& loads, const std::vector<int>& load_of,
            const PreprocessingOptions& preprocessing, int threads);
 
-  /// One factor for every cluster and joint; the load's columns occur only where a recording is
-  /// loaded.
+  /// One factor for every cluster and joint; the columns of a load are present only in loaded recordings.
   std::vector<std::vector<SquareRootInformation>> clusters(const std::vector<bool>& loaded) const;
 
-  /// Names of the columns to solve for, those that are identifiable from any motion, and of the
-  /// known ones.
+  /// Names of the columns to solve for, of those that are identifiable from any motion, and of the known
+  /// ones.
   struct Columns {
     std::vector<std::string> unknown;
     std::vector<std::string> alone;  ///< columns that are identifiable alone
@@ -38,7 +37,7 @@ class GainData {
   size_t recording_count() const { return recordings_.size(); }
   int load_of(size_t recording) const { return load_of_[recording]; }
 
-  /// Number of clusters of all recordings, which are numbered one after the other.
+  /// Number of clusters of all recordings. They are numbered consecutively.
   int cluster_count() const;
   size_t recording_of_cluster(size_t cluster) const;
 

@@ -46,13 +46,13 @@ GainFit solved(const GainData& data, const std::vector<bool>& loaded,
     fit.sigma[static_cast<Eigen::Index>(j)] = noise > 0.0 ? noise : 1.0;  // no current at all
   }
   fit.solution = solve_gains(equations, fit.sigma, start_gains(equations, fit.sigma));
-  // Repeats the fit with the noise of its residual.
+  // Repeats the fit with the noise estimated from its residual.
   fit.sigma = residual_current(equations, fit.solution).cwiseMax(fit.sigma);
   fit.solution = solve_gains(equations, fit.sigma, fit.solution);
   return fit;
 }
 
-// Solutions without one cluster each: x and p stacked, by clusters.
+// Solutions without one cluster each: x and p of each solution form a column.
 MatrixXd delete_one_estimates(const Clusters& clusters, const GainFit& fit) {
   const size_t count = clusters.size();
   std::vector<std::vector<SquareRootInformation>> after(count);

@@ -41,7 +41,7 @@ double cost_at(const std::vector<GainEquation>& equations, const VectorRef& sigm
   return cost;
 }
 
-// Joints without a defined gain: least squares leave the gain, and all torque, at zero.
+// Joints without a defined gain, for which least squares give zero gain and zero torque.
 std::vector<char> without_scale(const VectorXd& gain) {
   const double least = std::max(identifying::kNoScale * gain.cwiseAbs().maxCoeff(), kTiny);
   std::vector<char> out;
@@ -49,7 +49,7 @@ std::vector<char> without_scale(const VectorXd& gain) {
   return out;
 }
 
-// Derivatives of the weighted residuals by y, the scale and the ratios (zero for the reference
+// Derivatives of the weighted residuals with respect to y, the scale and the ratios (zero for the reference
 // joint's), followed by `spare` rows of zeros.
 MatrixXd jacobian(const std::vector<GainEquation>& equations, const VectorRef& sigma,
                   const GainSolution& at, Eigen::Index spare) {
@@ -86,7 +86,7 @@ VectorXd step_at(const std::vector<GainEquation>& equations, const VectorRef& si
   return scale.cwiseProduct(least_squares_solution(A, b));
 }
 
-// Solves U x + k = K z for x and K, weighted like the currents; K follows x. Given gains are one.
+// Solves U x + k = K z for x and K with weights as for the currents, then K for that x. Given gains are one.
 VectorXd linear_solution(const std::vector<GainEquation>& equations, const VectorXd& weights,
                          const std::vector<char>& given) {
   const Eigen::Index unknowns = equations.front().U.cols();
@@ -146,7 +146,7 @@ GainSolution start_gains(const std::vector<GainEquation>& equations, const Vecto
   std::vector<char> given(n, 0);
   given = without_scale(linear_solution(equations, currents, given).tail(n));
   VectorXd solution = linear_solution(equations, currents, given);
-  // Torque errors are K times current errors: weighted with the gains found before.
+  // Torque errors are K times current errors: weighted with the gains of the previous round.
   for (int round = 0; round < 2; ++round) {
     const VectorXd weights = currents.cwiseQuotient(solution.tail(n).cwiseAbs().cwiseMax(kTiny));
     solution = linear_solution(equations, weights, given);

@@ -17,22 +17,22 @@ struct GainEquation {
   double rows = 0.0;  ///< Number of measurements
 };
 
-/// p_j = scale * ratio_j and x = y / scale: without an identifiable known torque the scale is zero
-/// and everything else stays finite.
+/// Solution p_j = scale * ratio_j, x = y / scale. If no known torque is identifiable, the scale is zero and
+/// all other values remain finite.
 struct GainSolution {
   VectorXd y;          ///< (unknowns) [A] of the reference joint per unit of an unknown
   double scale = 0.0;  ///< p of the reference joint [A/N m]
   VectorXd ratio;      ///< (joints) p over that of the reference joint
-  int reference = 0;   ///< joint that the known torque loads best
+  int reference = 0;   ///< joint with the largest known torque relative to its noise
   double cost = 0.0;   ///< weighted sum of squares
   bool converged = false;
 
   VectorXd p() const { return scale * ratio; }
 };
 
-/// An initial guess without a guess of its own: U x + k = K z is linear in x and K. z contains only
-/// the part of the currents that torques can explain, so that noise does not bias K towards zero
-/// (two-stage least squares). Where nothing determines K, the ratio is one.
+/// Initial values without a guess: U x + k = K z is linear in x and K. z contains only the part of the
+/// currents that torques can explain, so that noise does not bias K towards zero (two-stage least squares).
+/// The ratio of a joint without a determined K is one.
 /// @param sigma  (joints) rms noise of the currents, as weights.
 GainSolution start_gains(const std::vector<GainEquation>& equations, const VectorRef& sigma);
 
@@ -41,9 +41,8 @@ GainSolution start_gains(const std::vector<GainEquation>& equations, const Vecto
 GainSolution solve_gains(const std::vector<GainEquation>& equations, const VectorRef& sigma,
                          const GainSolution& start);
 
-/// (joints) share of every ratio's column of the Jacobian (of the scale's, for the reference joint)
-/// outside the span of the others: zero where another gain with other parameters would fit equally
-/// well.
+/// (joints) share of every ratio's column of the Jacobian (for the reference joint: of the scale's column)
+/// outside the span of the others: zero if another gain with other parameters would fit equally well.
 VectorXd independent_shares(const std::vector<GainEquation>& equations, const VectorRef& sigma,
                             const GainSolution& at);
 

@@ -9,8 +9,8 @@ namespace veridyn {
 /// The least-squares solution of a factor, R x = z, by a rank-revealing decomposition.
 VectorXd least_squares(const SquareRootInformation& factor);
 
-/// (columns x blocks) Solutions of all blocks but one each, as a jackknife needs them: the blocks before the one that
-/// is left out are merged with those after it.
+/// Solutions that leave out one block each (columns x blocks), as a jackknife needs them: the blocks before
+/// the omitted one are merged with those after it.
 MatrixXd solutions_without(const std::vector<SquareRootInformation>& blocks);
 
 /// Solves normal equations A x = b with a symmetric A.

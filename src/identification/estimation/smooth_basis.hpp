@@ -4,12 +4,12 @@
 
 namespace veridyn {
 
-/// Functions of one signal that a basis spans.
+/// Functions of one signal, spanned by a basis.
 enum class BasisKind {
   kSmooth,  ///< one smooth function
   /// A smooth function and a step at zero: for velocities and displacements since a reversal.
   kSided,
-  kSides,  ///< one value on either side of zero: for directions
+  kSides,  ///< one value on either side of zero, for directions
 };
 
 /// Cubic B-splines over equal intervals of a signal's range, constant outside of it, with a penalty
@@ -27,7 +27,7 @@ class SmoothBasis {
 
   Eigen::Index size() const;
 
-  /// The functions' values at x, size() entries.
+  /// Writes the values of the functions at x, size() entries.
   void values(double x, double* out) const;
 
   /// (size x size), positive semidefinite.

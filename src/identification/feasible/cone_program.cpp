@@ -30,7 +30,7 @@ Eigen::Matrix4d from_upper_triangle(const InertialVector& s) {
   return S;
 }
 
-// One pass over the rows: bounds each variable by the best case of the others.
+// One pass over the rows: bounds each variable by the extreme values of the others.
 void tighten_by_rows(const SparseRows& rows, Box& box) {
   for (int i = 0; i < rows.size(); ++i) {
     for (int a = rows.start[i]; a < rows.start[i + 1]; ++a) {
@@ -49,7 +49,7 @@ void tighten_by_rows(const SparseRows& rows, Box& box) {
   }
 }
 
-// |A_ij| <= sqrt(A_ii*A_jj), with every entry of A one variable or (Sigma) bounded by moments of
+// |A_ij| <= sqrt(A_ii*A_jj); every entry of A is one variable or, for Sigma, is bounded by moments of
 // inertia.
 void tighten_by_block(const Block& block, Box& box) {
   auto lower = box.lower.segment<10>(block.column);

@@ -21,8 +21,8 @@ std::optional<InertialParameters> manufacturer_values(const Model& arm, const Bo
 
 namespace {
 
-// [kg, kg m^2] lower bound of every pseudo-inertia's eigenvalues: bodies get a finite size, so that
-// simulations are well-posed.
+// [kg, kg m^2] lower bound of the eigenvalues of every pseudo-inertia: bodies get a finite size, which
+// simulations need.
 constexpr double kSmallestEigenvalue = 1e-8;
 constexpr double kGap =
     1e-6;  // relative duality gap; far below the effect of a single sample
@@ -30,11 +30,11 @@ constexpr double kGap =
 // With a prior whose terms outweigh the residual, rounding limits the certified gap: 0.1 % of the
 // cost is still far below any parameter's deviation.
 constexpr double kGapWithPrior = 1e-3;
-// A given prior fills what torques leave open. Where the squared residual rises by more than this many
-// times the prior's weight, a tenth by default, it contradicts them. Those of rods for psm-3dof and mtm
-// raise it by 0.4 and 2.3 %.
+// A given prior determines what torques leave undetermined. It contradicts the torques if the squared
+// residual increases by more than this many times the prior's weight, a tenth by default. The priors of rods
+// for psm-3dof and mtm increase it by 0.4 and 2.3 %.
 constexpr double kContradicts = 100.0;
-// Share of the squared torques, an error of a thousandth, below which no prior contradicts them.
+// Share of the squared torques (a relative error of 1e-3), below which a prior never contradicts them.
 constexpr double kHardlyAnError = 1e-6;
 
 struct Bounds {
@@ -49,7 +49,7 @@ struct Bounds {
   }
 };
 
-// Signs of effects, and the boxes of the robot file.
+// Signs of effects, and the bounds given in the robot file.
 Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters,
                         EffectSigns signs) {
   Bounds bounds;
@@ -78,8 +78,8 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
     if (mass_max > 0.0)
       bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
     if (reach > 0.0) {
-      // No mass is farther away than twice the reach: trace of the second moments <= (2 reach)^2 m.
-      // This also bounds parameters that the data do not determine.
+      // No mass lies farther away than twice the reach: trace of the second moments <= (2 reach)^2 m. This
+      // also bounds parameters that the data do not determine.
       VectorXd row = -4.0 * reach * reach * unit(first, 1.0);
       for (const int c : {4, 6, 9}) row[first + c] = 0.5;
       bounds.add(row, 0.0, text("mass of ", frame.name, " lies within ", 2.0 * reach, " m"));
@@ -113,8 +113,8 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
   return problem;
 }
 
-// [m] Smallest distance of a prior's mass from its centre: a point mass has no inertia, and bodies
-// of a drawing may have inconsistent moments. Far below the accuracy of a link's inertia.
+// [m] smallest radius of gyration of a prior: a point mass has no inertia, and bodies of a CAD model may have
+// inconsistent moments. It is far below the accuracy of a link's inertia.
 constexpr double kSmallestRadius = 0.005;
 
 // Prior of each body: the given one, or the manufacturer's values; none for a body without mass.
@@ -135,7 +135,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
     const Body& body =
         *arm.frames()[arm.bodies()[first / kBodyParameters]].body;
     const std::optional<InertialParameters> prior = manufacturer_values(arm, body);
-    // A body that cannot be is no prior.
+    // A physically impossible body is not used as a prior.
     const bool usable = prior && body_fault("", *prior).empty();
     out.push_back(usable ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
     any = any || out.back()[0] > 0.0;
@@ -146,7 +146,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
 
 enum class PriorUse { kPull, kLeaveOut };
 
-// The least squared residual of possible bodies that no prior pulls.
+// The smallest squared residual of physically possible bodies without a prior.
 double least_feasible(const FeasibleProblem& problem, FeasibleOptions solver) {
   solver.entropic_prior = {};
   const FeasibleResult result = solve_feasible_least_squares(problem, solver);
@@ -187,7 +187,7 @@ void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& tot
   const double least = doubtful ? least_feasible(problem, solver) : std::numeric_limits<double>::infinity();
   const bool contradicts = result.objective > most * least;
   const bool enough = result.status == FeasibleStatus::kOptimal || (pulled && result.feasible && result.duality_gap <= kGapWithPrior);
-  // Bodies without mass would leave the torques themselves.
+  // A result with a larger residual than zero torques is useless.
   const bool worse_than_none = result.objective > total.rhs_norm2();
   if (enough && !contradicts && !worse_than_none) return;
   if (pulled && !options.prior) {

@@ -6,10 +6,10 @@
 
 namespace veridyn {
 
-/// Values of the manufacturer's file for a body.
+/// Values for a body in the manufacturer's file.
 std::optional<InertialParameters> manufacturer_values(const Model& arm, const Body& body);
 
-/// @throws InvalidInput  the prior of the options lacks values, or has not the bodies of the arm.
+/// @throws InvalidInput  the prior of the options lacks values, or its bodies differ from those of the arm.
 void require_prior_fits(const Model& arm, const IdentificationOptions& options);
 
 /// Feasible least squares on a factor over all standard parameters, with the signs and boxes of the robot

@@ -105,7 +105,7 @@ void add_entropic_prior(const EntropicPrior& prior, const std::vector<int>& colu
   }
 }
 
-// The log-det term of an entropic prior keeps J > 0, which makes a second block redundant.
+// The log-det term of an entropic prior keeps J > 0, so that the blocks of the condition are redundant.
 bool needs_condition_blocks(const FeasibleOptions& options) {
   if (options.condition == PhysicalCondition::kNone) return false;
   return options.entropic_prior.weight == 0.0 || options.eigenvalue_margin > 0.0;
@@ -133,7 +133,7 @@ cone::Program make_program(const FeasibleProblem& problem, const FeasibleOptions
   for (int j = 0; j < norms.size(); ++j) {
     if (norms(j) > 1e-13 * norms.maxCoeff()) program.box.trusted(j) = program.z.norm() / norms(j);
   }
-  // The lightest body has twice the margin as moments of inertia, however small the torques are.
+  // The lightest possible body has moments of inertia of twice the margin: the box admits it, however small the torques are.
   for (const cone::Block& block : program.blocks) {
     auto trusted = program.box.trusted.segment<10>(block.column);
     trusted = (trusted.array() > 0.0).select(trusted.cwiseMax(4.0 * block.margin), trusted);

@@ -12,22 +12,22 @@ namespace {
 using Eigen::Matrix4d;
 
 constexpr double kCloseEnough =
-    0.5;  // relative distance at which a slack is replaced by its exact value at x
+    0.5;  // relative distance, at which a slack is replaced by its exact value at x
 constexpr double kSmallAbsorption =
-    0.1;  // largest relative change of a multiplier for matching the gradient
+    0.1;  // largest relative change of a multiplier to match the gradient
 constexpr double kBoundary = 0.99;  // share of the step to the boundary of the cones
-// Where a factorization costs much more than a solution, with kManyVariables, the corrector is
-// repeated with its own second-order term while that makes a short step longer. Iterations with 0,
-// 1 and 3 repeats: 16, 13, 13 at 30 bodies, 17, 15, 13 at 100 (`veridyn-benchmark`, feasible_fit).
+// Where a factorization costs much more than a solution (kManyVariables), the corrector is repeated with its
+// own second-order term as long as this lengthens a short step. Iterations with 0, 1 and 3 repeats: 16, 13,
+// 13 at 30 bodies, 17, 15, 13 at 100 (`veridyn-benchmark`, feasible_fit).
 constexpr int kMoreCorrectors = 3;
 constexpr int kManyVariables = 200;
 constexpr double kLongStep = 0.95;
-constexpr double kWorthwhile = 1.01;  // ratio of the steps
+constexpr double kWorthwhile = 1.01;  // ratio of the steps, from which a repeat was worthwhile
 constexpr double kFirstRegularisation = 1e-14;
 constexpr double kLastRegularisation = 1e-5;
 constexpr int kPatience = 10;  // iterations without a smaller gap
-// With an entropic prior a body far from its prior moves there in many short steps, during which
-// the gap is no measure of progress.
+// With an entropic prior a body far from its prior needs many short steps, during which the gap does not
+// measure progress.
 constexpr int kPatienceWithPrior = 50;
 
 class InteriorPoint {
@@ -381,9 +381,9 @@ Solution solve(const Program& program, const Stop& stop) {
     const bool over = solution.status == FeasibleStatus::kOptimal || !prior;
     if ((solution.interior.size() > 0 && over) || solution.status == FeasibleStatus::kInfeasible) break;
   }
-  // Iterates that come to the boundary with a dual residual are stuck there: steps that would remove it
-  // leave the cones. Of 300 random problems with 3 bodies 5 ended so at gaps of 1e-9 to 4e-9; balanced
-  // all converge, in 6 to 34 % more iterations.
+  // Iterates that reach the boundary with a dual residual cannot continue: steps that would reduce it leave
+  // the cones. Of 300 random problems with 3 bodies 5 ended in this state at gaps of 1e-9 to 4e-9; with the
+  // balanced method all converge, in 6 to 34 % more iterations.
   if (solution.status == FeasibleStatus::kNotConverged) {
     const Solution again = InteriorPoint(program, stop, first_gap, true).run();
     iterations += again.iterations;

@@ -37,9 +37,9 @@ struct ScaledBlock {
   /// Updates the scaling. @returns false if S or Z is not positive definite.
   bool scale();
 
-  /// second_order: the present direction is a predictor that is to be corrected.
-  /// The direction for dx = 0, then what a change of dx adds to it. @param moved  A(change of dx).
+  /// Sets the direction for dx = 0. @param second_order  corrects the present direction, a predictor.
   void begin_direction(double target, bool second_order);
+  /// Adds the part of the direction that is linear in dx. @param moved  A(change of dx).
   void advance_direction(const Matrix4d& moved);
 };
 

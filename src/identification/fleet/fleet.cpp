@@ -48,7 +48,7 @@ void add_members(const FleetFit& fit, Fleet& fleet) {
     FleetMember member{f.data.name, f.data.recordings, f.data.rows, f.values.head(f.independent.size()), {}, {}};
     for (Eigen::Index k = 0; k < member.own.size(); ++k)
       if (f.independent[k] < fleets::numbers.telling) member.own[k] = kNaN;
-    member.own.tail(fleet.joints).array() += 1.0;  // gains as factors
+    member.own.tail(fleet.joints).array() += 1.0;  // gains are stored as factors
     VectorXd torque2(fleet.joints);
     for (int i = 0; i < fleet.joints; ++i) torque2[i] = std::max(1e-300, f.data.joints[i].rhs_norm2());
     member.relative_error = f.residual2.cwiseQuotient(torque2).cwiseSqrt();
@@ -88,7 +88,7 @@ void add_parameters(const Model& arm, const FleetFit& fit, Fleet& fleet) {
   fleet.model = with_values(arm, fleet.parameters, VectorXd::Constant(fleet.parameters.size(), kNaN));
 }
 
-// Reason for a missing result with too few arms.
+// Reason for a missing result, where too few arms remain.
 std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermined) {
   std::string out = text("found ", left, left == 1 ? " arm" : " arms",
                          undetermined.empty() ? "" : " whose recordings determine the bodies",
@@ -143,7 +143,7 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
     std::string recording;
     int number;
   };
-  std::map<std::uintmax_t, std::vector<Line>> lines_of_size;  // only files of one size hold the same
+  std::map<std::uintmax_t, std::vector<Line>> lines_of_size;  // only files of equal size can have equal contents
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     line = line.substr(0, line.find('#'));
@@ -181,8 +181,8 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
 
 namespace {
 
-// The factors of one file. A velocity that is no derivative of its position is taken from the
-// position, as in identify(), which `remarks` says; factors may have been made so.
+// The factors of one file. A velocity that is not the derivative of its position is derived from the
+// position, as in identify(), with a remark; a file of factors may have been computed in this form.
 FactorSet factors_of_file(const Model& arm, const std::string& path,
                           const PreprocessingOptions& preprocessing,
                           std::vector<std::string>& remarks) {

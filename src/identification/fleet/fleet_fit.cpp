@@ -68,7 +68,7 @@ std::vector<UndeterminedArm> FleetFit::extract_undetermined() {
   return out;
 }
 
-// The values that belong to the columns of a joint's factor.
+// The values that correspond to the columns of a joint's factor.
 VectorXd FleetFit::joint_coefficients(const SquareRootInformation& factor, const VectorXd& values) const {
   VectorXd x = VectorXd::Zero(factor.size());
   for (int c = 0; c < factor.size(); ++c) {
@@ -118,7 +118,7 @@ VectorXd FleetFit::values(const SquareRootInformation& factor, const VectorXd& b
   return out;
 }
 
-// Squared residual of every joint, unweighted; the columns of gains are the torque of the values `at`.
+// Squared residual of every joint, unweighted; the columns of gains are the torque for the values `at`.
 VectorXd FleetFit::residual2(const ArmFactor& arm, const VectorXd& values, const VectorXd& at) const {
   VectorXd out(joints_);
   for (Eigen::Index i = 0; i < joints_; ++i) {
@@ -129,7 +129,7 @@ VectorXd FleetFit::residual2(const ArmFactor& arm, const VectorXd& values, const
   return out;
 }
 
-// Per joint: one over the root of the median over the arms of squares(arm, joint) per row.
+// For each joint the weight 1 / sqrt(median over the arms of squares(arm, joint) per row).
 template <typename Squares>
 VectorXd FleetFit::weights_from(const Squares& squares) const {
   VectorXd out(joints_);
@@ -154,7 +154,7 @@ void FleetFit::solve() {
     beta_ = least_squares(total);
     each_arm([&](FittedArm& f) { fit(f); });
     weights = weights_from([](const FittedArm& f, Eigen::Index i) { return f.residual2[i]; });
-    // Outliers found in the last round were excluded from the last fit.
+    // Outliers found in the last round are excluded from the last fit.
     if (round + 1 < fleets::numbers.rounds) mark_outliers();
   }
 }
@@ -171,7 +171,8 @@ void FleetFit::fit(FittedArm& f) const {
                     .solve(MatrixXd::Identity(own, own))
                     .rowwise()
                     .norm();
-  // The part of own columns outside the span of those before them: the diagonal of R. Own columns are few.
+  // Share of each own column outside the span of the earlier ones, by the diagonal of R; there are few own
+  // columns.
   f.independent = f.factor.R().diagonal().head(own).cwiseAbs().cwiseQuotient(f.factor.column_norms().head(own).cwiseMax(1e-300));
 }
 
@@ -191,7 +192,7 @@ void FleetFit::mark_outliers() {
     count += static_cast<size_t>(f.odd);
   }
   if (2 * count < arms_.size()) return;
-  for (FittedArm& f : arms_) f.odd = false;  // half of a fleet cannot be outliers
+  for (FittedArm& f : arms_) f.odd = false;  // half of a fleet cannot consist of outliers
 }
 
 double FleetFit::tested() const { return static_cast<double>(arms_.size()) * (static_cast<double>(own_ + joints_) + 1.0); }

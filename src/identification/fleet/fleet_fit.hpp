@@ -30,20 +30,20 @@ struct FittedArm {
   VectorXd values = {};              ///< of all columns; gains as shares
   VectorXd uncertain = {};           ///< standard deviation of each own value for white noise
   VectorXd independent = {};         ///< share of each own column outside the span of the others
-  VectorXd residual2 = {}, alone2 = {};  ///< per joint, with the fleet's bodies and with its own
-  bool odd = false;                  ///< its bodies differ from the fleet's
-  double excess = 0.0;               ///< robust distance of its bodies from the fleet's: ln of the squares that its own explain
-  double deviations = 0.0;           ///< of it, from the fleet's median
+  VectorXd residual2 = {}, alone2 = {};  ///< squared residual of each joint, with the fleet's bodies and with its own
+  bool odd = false;                  ///< its bodies differ from those of the fleet
+  double excess = 0.0;               ///< distance of its bodies from the fleet's: ln of the ratio by which its own bodies reduce the squares
+  double deviations = 0.0;           ///< its distance from the fleet's median, in robust deviations
 };
 
-/// Fits the block arrow of a fleet: the values that all arms share and every arm's own in turn. Arms with other bodies
-/// are left out of the shared values.
+/// Fits the block-arrow problem of a fleet: alternates between the values that all arms share and each arm's
+/// own values. Arms with different bodies do not contribute to the shared values.
 class FleetFit {
  public:
   FleetFit(const Model& arm, std::vector<ArmFactor> arms, const FleetOptions& options);
 
-  /// Removes the arms whose own recordings do not determine their bodies: bodies of its own would explain everything on
-  /// such an arm, so that it would always seem to differ.
+  /// Removes and returns the arms whose recordings do not determine their bodies: with bodies of its own such
+  /// an arm would explain everything, and always seem to differ.
   std::vector<UndeterminedArm> extract_undetermined();
 
   void solve();
@@ -58,23 +58,23 @@ class FleetFit {
   const std::vector<FittedArm>& arms() const { return arms_; }
   const VectorXd& beta() const { return beta_; }  ///< shared values
 
-  /// One arm's rows over columns(), with joint weights; the gains' columns are the torque for the values `at`, absent
-  /// where these are empty.
+  /// Rows of one arm over columns(), with joint weights. The columns of gains are the torque for the values
+  /// `at`; there are none if these are empty.
   SquareRootInformation of_arm(const ArmFactor& arm, const VectorXd& weights, const VectorXd& at) const;
-  /// The information of such a factor about the shared columns after eliminating its own.
+  /// Information of this factor about the shared columns, with the arm's own columns eliminated.
   SquareRootInformation shared_information(const SquareRootInformation& factor) const;
-  /// All values of an arm, for given shared ones, from its factor.
+  /// All values of an arm from its factor, for given shared values.
   VectorXd values(const SquareRootInformation& factor, const VectorXd& beta) const;
 
-  /// Standard deviations of beta() by leaving out one group of arms at a time.
+  /// Standard deviations of beta(), by leaving out one group of arms at a time.
   VectorXd deviations() const;
   /// Degrees of freedom of a robust deviation over the arms.
   double freedom() const { return fleets::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
   /// Number of tested quantities: every own value and the bodies of every arm.
   double tested() const;
-  /// Deviations beyond which one of so many quantities is an outlier.
+  /// Number of deviations beyond which one of `tested` quantities is an outlier.
   double threshold(double tested, double more_freedom = 0.0) const;
-  /// Median of FittedArm::excess when outliers were looked for last.
+  /// Median of FittedArm::excess in the last search for outliers.
   double median_excess() const { return median_excess_; }
 
  private:
@@ -97,7 +97,7 @@ class FleetFit {
   double median_excess_ = 0.0;
 };
 
-/// How every own value and gain spreads over the arms of the fleet, and the arms that are far off.
+/// Adds the spread of every own value and gain over the fleet, and the arms that are far from its median.
 void add_spreads(const Model& arm, const FleetFit& fit, Fleet& fleet);
 
 }  // namespace veridyn

@@ -25,7 +25,7 @@ std::string gain_name(const Model& arm, int joint) {
 double digamma(double x) { return Eigen::numext::digamma(x); }
 double trigamma(double x) { return Eigen::numext::polygamma(1.0, x); }
 
-// One quantity of all arms.
+// One quantity, on all arms.
 struct Quantity {
   FleetSpread spread;
   JointIndex joint{};
@@ -33,11 +33,10 @@ struct Quantity {
   double usual = 0.0;  // median of `uncertain`
 };
 
-// Prior for the spread of each quantity, from the spreads of all quantities of its kind: a scaled inverse chi-square
-// distribution of its square, since few arms determine a spread badly. Spreads are compared in
-// units of their noise (equal arms) or of their medians (arms that vary by some percent), whichever
-// makes them more alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology
-// 3(1), 2004 (moderated t).
+// Prior of the spreads of one kind of quantities, estimated from all of them: a scaled inverse chi-square
+// distribution of the square, since few arms determine a single spread badly. Spreads are compared in units
+// of their noise (equal arms) or of their medians (arms that vary by some percent), whichever makes them more
+// alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology 3(1), 2004 (moderated t).
 struct SpreadPrior {
   double freedom = 0.0;
   double square = 0.0;        // in squared units of `unit`
@@ -102,15 +101,15 @@ Quantity quantity(const Model& arm, const FleetFit& fit, const Fleet& fleet, int
   std::tie(spread.median, spread.spread) = centre_of(out.all);
   spread.arms = static_cast<int>(
       std::count_if(out.all.begin(), out.all.end(), [](double x) { return std::isfinite(x); }));
-  // Precision of this value on one arm relative to most arms, which weights its deviation. The
-  // noise is not white, so that the spread of the fleet sets the scale.
+  // The noise of this value on one arm, relative to that on most arms, weights its deviation. Noise is not
+  // white, so that the spread of the fleet sets the scale.
   for (size_t a = 0; a < out.all.size(); ++a)
     out.uncertain.push_back(std::isfinite(out.all[a]) ? fit.arms()[a].uncertain[k] : kNaN);
   out.usual = centre_of(out.uncertain).first;
   return out;
 }
 
-// Names the arms that are far off in a quantity of one kind.
+// Reports the arms that are outliers in a quantity of one kind.
 void add_outliers(const std::vector<Quantity>& kind, const FleetFit& fit, Fleet& fleet) {
   const double freedom = fit.freedom();
   const SpreadPrior prior = prior_of(kind, freedom);
@@ -121,8 +120,7 @@ void add_outliers(const std::vector<Quantity>& kind, const FleetFit& fit, Fleet&
     for (size_t a = 0; a < q.all.size() && spread.arms >= fleets::numbers.fewest && spread.spread > 0.0; ++a) {
       const double wider = q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0;
       const double deviations = (q.all[a] - spread.median) / (wider * width);
-      // Differences below this share of the median are not reported, however narrow the
-      // distribution is.
+      // Differences below this share of the median are not reported, even if the fleet varies less.
       const bool noticeable =
           std::abs(q.all[a] - spread.median) > fleets::numbers.noticeable * std::abs(spread.median);
       if (std::isfinite(q.all[a]) && noticeable && std::abs(deviations) > far)

@@ -12,9 +12,9 @@
 
 namespace veridyn {
 
-/// Writes or reads fields one after the other, little-endian. A struct has one function exchange(bytes, object), which
-/// lists its fields for both directions.
-/// @throws InvalidInput  the bytes that are read end too early.
+/// Writes or reads fields in sequence, little-endian. A struct has one function exchange(bytes, object),
+/// which lists its fields for both directions.
+/// @throws InvalidInput  the bytes end too early.
 class ByteExchange {
  public:
   /// Writes.
@@ -102,7 +102,7 @@ class ByteExchange {
 template <typename T>
 std::string bytes_of(const T& object) {
   ByteExchange out;
-  out(const_cast<T&>(object));  // which writing only reads
+  out(const_cast<T&>(object));  // writing only reads the object
   return out.bytes();
 }
 

@@ -58,8 +58,8 @@ const std::string kMagic = "veridyn factors\n";
 constexpr std::uint64_t kVersion = 1;
 constexpr double kSameArm = 1e-9;  // share of a fingerprint's entry
 
-// The bodies' regressor at one fixed state, joint by joint, and the facts: arms with different
-// lengths, axes or direction of gravity differ here.
+// The bodies' regressor at one fixed state, joint by joint, and the known values: these differ between arms
+// with different lengths, axes or direction of gravity.
 VectorXd fingerprint_of(const Model& arm) {
   const int n = arm.joints();
   MatrixXd q(1, n);
@@ -163,7 +163,7 @@ bool is_factor_file(const std::string& path) {
 
 void require_factors_of(const Model& arm, const FactorSet& factors,
                         const PreprocessingOptions& how) {
-  require_joints(factors, with_friction(arm, JointFriction::kAuto));  // as compress() does
+  require_joints(factors, with_friction(arm, JointFriction::kAuto));  // the friction that compress() chooses
   require(factors.settings == settings_of(how), "the factors were prepared differently: found ",
           factors.settings, "; expected ", settings_of(how), ".");
 }

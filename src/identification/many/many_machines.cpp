@@ -32,7 +32,7 @@ void exchange(ByteExchange& bytes, MeasuredRecording& r) {
 
 namespace {
 
-// MeasuredRecording with the default constructor that ByteExchange needs to read one.
+// MeasuredRecording with a default constructor, which ByteExchange needs for reading.
 struct Measured : MeasuredRecording {
   Measured() : MeasuredRecording{{}, {ErrorSums(0), ErrorSums(0), ErrorSums(0)}, false} {}
   explicit Measured(MeasuredRecording one) : MeasuredRecording(std::move(one)) {}
@@ -40,21 +40,21 @@ struct Measured : MeasuredRecording {
 
 enum class Work { kCompress, kMeasure, kRefuse, kEnd };
 
-// A message of rank 0 to all ranks, itself included for the first two kinds of work.
+// A message of rank 0 to all ranks; for the first two kinds of work rank 0 takes part as well.
 struct Request {
   Work work = Work::kCompress;
-  // Settings that differ between the fits of one identification: joints whose velocities are derived from the position,
-  // and periods that an earlier fit found.
+  // Settings that differ between the fits of one identification: joints with derived velocities, and periods
+  // that an earlier fit has found.
   std::vector<int> derived = {};
   std::vector<std::string> sources = {};
   std::vector<double> periods = {};
-  VectorXd values = {};       // whose errors are measured
+  VectorXd values = {};       // parameters whose errors are measured
   int series_samples = 0;
-  std::string reason = {};    // of a refusal, or of the result's status
+  std::string reason = {};    // reason of a refusal, or of the status of the result
   int status = 0;
 };
 
-// A rank's reply; of a refusal all other fields are empty.
+// Reply of a rank. All other fields of a refusal are empty.
 struct RankReply {
   std::string refusal = {};
   std::vector<UnusedRecording> unusable = {};
@@ -77,7 +77,7 @@ Message message_from(const std::string& bytes) {
   return out;
 }
 
-// The recordings of one rank and the map over them.
+// The recordings of one rank, and the passes over them.
 class Share {
  public:
   Share(const Model& file, const std::vector<std::string>& train, const std::vector<std::string>& test,
@@ -100,7 +100,7 @@ class Share {
   }
 
  private:
-  // Does something with each recording of this rank, so that an unusable one does not affect the others.
+  // Processes each recording of this rank, so that an unusable one does not affect the others.
   template <typename Do, typename After>
   void for_own(const std::vector<std::string>& all, RankReply& answer, const Do& act, const After& after) const {
     const auto size = static_cast<size_t>(ranks_.size()), rank = static_cast<size_t>(ranks_.rank());
@@ -166,7 +166,7 @@ class Share {
   FactorSet mine_;
 };
 
-// At rank 0: every pass is a request to all ranks, whose answers are merged in the order of the recordings.
+// Passes of rank 0: each is a request to all ranks, whose replies are merged in the order of the recordings.
 class RankPasses final : public RecordingPasses {
  public:
   RankPasses(Share& share, Communicator& ranks, size_t recordings, bool keeps)
@@ -210,7 +210,7 @@ class RankPasses final : public RecordingPasses {
   }
 
   const std::vector<UnusedRecording>& unusable() const { return unusable_; }
-  // All factors, with the velocities that were chosen in the end.
+  // All factors, with the velocities of the final choice.
   const FactorSet& factors(const Identification& id) const {
     return id.preprocessing.derive_velocity_of.empty() ? *first_ : last_;
   }
@@ -226,7 +226,8 @@ class RankPasses final : public RecordingPasses {
     return out;
   }
 
-  // Values of the ranks' arm, which may have effects that the recordings did not determine: they are zero.
+  // Parameters of the ranks' arm. Effects that the recordings did not determine, and the fit removed, are
+  // zero.
   VectorXd values_of(const Model& arm, const VectorXd& parameters) const {
     std::unordered_map<std::string, double> known;
     const std::vector<StandardParameter> own = standard_parameters(arm), all = standard_parameters(share_.arm());
@@ -247,7 +248,7 @@ class RankPasses final : public RecordingPasses {
   mutable FactorSet last_;
 };
 
-// Answers rank 0 until it is done.
+// Serves the requests of rank 0 until it ends the work.
 Identification serve(Share& share, Communicator& ranks, Identification id) {
   while (true) {
     const auto request = message_from<Request>(ranks.receive(0));

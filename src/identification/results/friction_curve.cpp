@@ -13,8 +13,8 @@ using identifying::kNormal95, identifying::kRun, identifying::kRunSeconds, ident
 
 namespace {
 
-// Friction of one joint in steady sliding. `columns`, unless null, receives its derivatives by the
-// parameters.
+// Friction of one joint in steady sliding. `columns`, unless null, is set to its derivatives with respect to
+// the parameters.
 double friction_at(const std::vector<EffectFacts>& effects, int joint, double speed, double q, double load,
                    VectorXd* columns) {
   double torque = 0.0;
@@ -26,7 +26,7 @@ double friction_at(const std::vector<EffectFacts>& effects, int joint, double sp
       AxisSample& sample = slide[k];
       sample.time = kRunSeconds * k / kRun;
       sample.ds = c * speed;
-      sample.s = c * q + effect.term().axis.offset + sample.ds * kRunSeconds * (k + 1 - kRun) / kRun;  // q at the last
+      sample.s = c * q + effect.term().axis.offset + sample.ds * kRunSeconds * (k + 1 - kRun) / kRun;  // ends at position q
       sample.load = load;
     }
     const MatrixXd rows = ColumnsInPieces(effect).next(slide);
@@ -40,7 +40,7 @@ double friction_at(const std::vector<EffectFacts>& effects, int joint, double sp
   return torque;
 }
 
-// Factor F of the parameters' covariance F F', one row per parameter: the jackknife's scatter if
+// Factor F of the parameters' covariance F F', one row for each parameter: the scatter of the jackknife if
 // the parameter is identifiable by itself, else its standard deviation in a column of its own.
 MatrixXd scatter_of(const Identification& id, const std::vector<std::string>& names) {
   const auto& identified = id.model->description().identified;
@@ -122,9 +122,9 @@ std::vector<FrictionCurve> friction_curves(const Identification& id) {
     FrictionCurve curve{{joint}, VectorXd(2 * kSpeeds), VectorXd(2 * kSpeeds), VectorXd(2 * kSpeeds)};
     VectorXd columns(F.rows());
     for (int k = 0; k < 2 * kSpeeds; ++k) {
-      const int rank = k < kSpeeds ? k - kSpeeds : k - kSpeeds + 1;  // no speed is zero
+      const int rank = k < kSpeeds ? k - kSpeeds : k - kSpeeds + 1;  // skips a speed of zero
       const double share = static_cast<double>(rank) / kSpeeds;
-      curve.velocity[k] = use.speed * share * std::abs(share);  // closer together at low speed
+      curve.velocity[k] = use.speed * share * std::abs(share);  // speeds are denser near zero
       curve.torque[k] = friction_at(effects, joint, curve.velocity[k], use.q, use.load, &columns);
       curve.half_width[k] = kNormal95 * (F.transpose() * columns).norm();
     }

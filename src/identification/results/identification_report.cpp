@@ -62,7 +62,7 @@ std::string Identification::report() const {
   }
   for (const auto* list : {&train, &test}) {
     for (const RecordingError& r : *list) {
-      if (r.filled.count > r.rows / 1000)  // fewer are not worth a line
+      if (r.filled.count > r.rows / 1000)  // fewer rows are not mentioned
         out += fmt::format("{}: {}\n", r.source, filled_text(r.filled, r.rows));
     }
   }

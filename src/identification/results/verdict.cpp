@@ -51,7 +51,7 @@ std::vector<IdentifiedJoint> joints_in(const IdentificationVerdict& v, Identifie
   return out;
 }
 
-// "a, b and c VERB 2.1, 3 and 4 WHAT; " of some joints; {} are the figures.
+// "a, b and c VERB 2.1, 3 and 4 WHAT; " for several joints; {} stands for the figures.
 std::string listed(const std::vector<IdentifiedJoint>& in, const char* one, const char* several, const std::string& what,
                    const std::function<std::string(const IdentifiedJoint&)>& figure) {
   if (in.empty()) return "";
@@ -65,7 +65,7 @@ std::string listed(const std::vector<IdentifiedJoint>& in, const char* one, cons
          fmt::format(fmt::runtime(what), figures) + "; ";
 }
 
-// `whose` names the rows of the errors.
+// @param whose  describes the rows of the errors.
 std::string sentence_of(const IdentificationVerdict& v, const std::string& whose) {
   const auto error = [](const IdentifiedJoint& j) { return in_percent(j.error); };
   std::string out = listed(joints_in(v, IdentifiedState::kHardlyMoved), "moved", "moved",
@@ -112,7 +112,7 @@ IdentificationVerdict verdict_of(const Identification& id) {
   IdentificationVerdict out;
   if (!id.model) return out;
   out.held_out = id.test_error.relative.size() > 0;
-  // Rows that came late are no error of the model.
+  // Late rows are no error of the model.
   const VectorXd& repaired = (out.held_out ? id.test_repaired : id.train_repaired).relative;
   const VectorXd& as_recorded = (out.held_out ? id.test_error : id.train_error).relative;
   const VectorXd& error = repaired.size() > 0 ? repaired : as_recorded;

@@ -15,8 +15,8 @@
 namespace veridyn::recordings {
 namespace {
 
-constexpr std::size_t kNamed = 12;         // arrays that a message names
-constexpr std::size_t kMostGroups = 1000;  // of arrays with signals; each is compared with all arrays
+constexpr std::size_t kNamed = 12;         // largest number of arrays that a message lists
+constexpr std::size_t kMostGroups = 1000;  // largest number of groups of arrays with signals; each is compared with all arrays
 
 std::string group_of(const std::string& name) {
   const std::size_t slash = name.rfind('/');
@@ -101,7 +101,7 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
           ": found no array of times (t, time, timestamp), expected one, or --rate.");
   std::size_t rows = clock != nullptr ? size_of(*clock) : 0;
   for (const NamedArray& a : set.arrays) {
-    // Without a clock the longer dimension of the positions, or of arrays that --map names, is the time.
+    // Without a clock, the longer dimension of the positions, or of the arrays in --map, is the time.
     const bool longest = field_of(last_of(a.name) + "/0").signal == 0 || is_mapped(a.name, options.signals);
     if (clock == nullptr && group_of(a.name) == group && longest) rows = std::max({rows, a.rows, a.columns});
   }

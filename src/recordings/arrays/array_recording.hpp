@@ -9,7 +9,7 @@
 
 namespace veridyn::recordings {
 
-/// An array of numbers by name, row by row; names may have groups in front: `log/q`.
+/// A named array of numbers, row by row. The name may begin with groups: `log/q`.
 struct NamedArray {
   std::string name;
   std::size_t rows = 0;
@@ -23,8 +23,8 @@ struct ArraySet {
   std::vector<std::string> joint_names;  ///< from a text array named joints or joint_names
 };
 
-/// Assembles arrays named like the columns of a table (t, q, dq, tau, ...): rows are samples, or
-/// columns where that fits the time. Without a time, options.rate is the clock.
+/// Assembles a recording from arrays named like the columns of a table (t, q, dq, tau, ...). Rows are
+/// samples, or columns if their number is that of the times. Without a time, options.rate is used.
 /// @throws InvalidInput  there is neither a time nor a rate.
 RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::string& format,
                              const RecordingOptions& options);

@@ -8,7 +8,7 @@
 namespace veridyn::recordings {
 namespace {
 
-constexpr hsize_t kLargest = hsize_t{1} << 29;  // numbers of one array
+constexpr hsize_t kLargest = hsize_t{1} << 29;  // largest number of values in one array
 
 #if H5_VERSION_GE(1, 12, 0)
 using ObjectInfo = H5O_info2_t;
@@ -77,7 +77,7 @@ herr_t visit(hid_t file, const char* name, const ObjectInfo* info, void* set) {
 }  // namespace
 
 ArraySet read_hdf5(const std::string& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // the library's own messages are suppressed
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // suppresses the messages of the library itself
   count_opened_file();
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   require(file >= 0, path, ": cannot be opened as HDF5, expected an intact file.");

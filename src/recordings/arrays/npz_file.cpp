@@ -28,7 +28,7 @@ struct Entry {
   std::uint64_t packed = 0, size = 0, offset = 0;
 };
 
-// An extra field holds sizes beyond 4 GiB, and those that NumPy did not know in advance.
+// Reads the extra field, which holds sizes beyond 4 GiB, and those that NumPy did not know in advance.
 void read_large_sizes(std::string_view extra, Entry* entry) {
   ByteReader reader(extra);
   while (reader.left() >= 4) {
@@ -86,7 +86,7 @@ std::string content_of(std::string_view bytes, const Entry& entry) {
   const std::string_view packed = reader.read_bytes(entry.packed);
   if (entry.method == 0) return std::string(packed);
   if (entry.method != 8) throw CutShort("an entry packed in another way than deflate");
-  // Deflate gains at most a factor of about a thousand.
+  // Deflate compresses by at most a factor of about a thousand.
   if (entry.size > kLargest || entry.size / 1100 > packed.size() + 1)
     throw CutShort("an impossible size");
   std::string out(static_cast<std::size_t>(entry.size), '\0');
@@ -113,7 +113,7 @@ std::string content_of(std::string_view bytes, const Entry& entry) {
   return out;
 }
 
-// A value of the header's dictionary, as text.
+// Value of a key in the header's dictionary, as text.
 std::string value_of(const std::string& header, const std::string& key) {
   const std::size_t at = header.find("'" + key + "'");
   if (at == std::string::npos) throw CutShort("an array without " + key);
@@ -167,7 +167,7 @@ Header parse_header(ByteReader* reader) {
   return header;
 }
 
-// Reads texts of a fixed width, of one or four bytes a letter.
+// Reads strings of a fixed width, with one or four bytes for each character.
 std::vector<std::string> texts_in(const Header& header, ByteReader* reader) {
   std::size_t width = 0;
   std::from_chars(header.type.data() + 2, header.type.data() + header.type.size(), width);

@@ -125,7 +125,7 @@ void read_file(const std::string& path, bool packed_messages, BagSink* sink,
   throw InvalidInput(path + ": found other first bytes, expected a ROS bag or MCAP.");
 }
 
-// True if metadata.yaml beside a single file says that its messages are compressed.
+// True if a metadata.yaml next to a single file declares its messages to be compressed.
 bool packed_beside(const std::string& path) {
   const std::string folder = fs::path(path).parent_path().string();
   const std::string place = folder.empty() ? "." : folder;

@@ -57,8 +57,8 @@ class Collector {
     std::size_t topic;
   };
 
-  // One entry per channel; a split bag repeats the channel in its next piece, which gets the same
-  // entry.
+  // One entry for each channel; the pieces of a split bag declare the same channels, which share their
+  // entries.
   int open(const Channel& channel) {
     const std::string key =
         channel.topic + "\n" + channel.type + "\n" + channel.publisher + "\n" + channel.encoding;

@@ -6,8 +6,8 @@
 
 namespace veridyn::bags {
 
-/// Reads all topics of a bag; decodes those with joints' signals or plain numbers, and those that
-/// the choice names.
+/// Reads all topics of a bag. Decodes those with joint signals or plain numbers, and those that the choice
+/// names.
 /// @throws InvalidInput  see read_bag().
 recordings::RawRecording read_bag_recording(const recordings::OpenedFile& file,
                                             const SignalChoice& choice);

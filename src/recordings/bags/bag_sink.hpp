@@ -15,15 +15,15 @@ struct Channel {
   std::string topic;
   std::string type;        ///< as written: sensor_msgs/JointState or sensor_msgs/msg/JointState
   std::string encoding;    ///< ros1, cdr, json; others cannot be decoded
-  std::string definition;  ///< message definition in the text form of ROS 1 or 2; empty: none kept
-  std::string publisher;   ///< name of the sending node; empty: not kept
+  std::string definition;  ///< message definition in the text form of ROS 1 or 2; empty: not stored
+  std::string publisher;   ///< name of the sending node; empty: not stored
 };
 
 /// Receiver of the channels and messages of a container.
 struct BagSink {
-  /// Called once for every channel; the result is passed on with each of its messages.
+  /// Called once for every channel; its result identifies the channel in calls of `message`.
   std::function<int(const Channel&)> open;
-  /// Receives a message and its recording time [ns]. The bytes are valid during the call.
+  /// Receives a message and its recording time [ns]. The bytes are valid only during the call.
   std::function<void(int channel, std::int64_t recorded, std::string_view bytes)> message;
   /// Remarks for the user: a file that ends early, a damaged chunk.
   std::vector<std::string> remarks;
@@ -39,7 +39,7 @@ void read_ros1_bag(std::string_view bytes, const std::string& path, BagSink* sin
 void read_mcap(std::string_view bytes, const std::string& path, BagSink* sink);
 
 /// Reads ROS 2 storage in sqlite3, plain (.db3) or as one zstd frame (.db3.zstd).
-/// `message_compression` says that every message is a zstd frame, as in metadata.yaml.
+/// @param message_compression  every message is a zstd frame, as declared in metadata.yaml.
 /// @throws InvalidInput  not a database, or without the tables of a ROS 2 bag.
 void read_db3(std::string_view bytes, const std::string& path, bool message_compression,
               BagSink* sink);

@@ -37,7 +37,7 @@ Database open_bytes(std::string_view bytes, const std::string& path) {
   return database;
 }
 
-// Opens a database with a write-ahead log beside it (after a crash), which sqlite3 merges.
+// Opens a database that has a write-ahead log next to it (after a crash); sqlite3 merges the log.
 Database open_with_log(const std::string& path) {
   sqlite3* raw = nullptr;
   const int opened = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
@@ -48,7 +48,7 @@ Database open_with_log(const std::string& path) {
   return database;
 }
 
-// Message of sqlite3 about its last failure; it quotes the schema.
+// The last error message of sqlite3, which may quote the schema.
 std::string sqlite_error(const Database& database) {
   return excerpt(sqlite3_errmsg(database.get()), 200);
 }
@@ -66,7 +66,7 @@ std::string text_at(const Statement& statement, int column) {
                          : std::string(static_cast<const char*>(text), static_cast<size_t>(size));
 }
 
-// Message definitions by type, if the writer stored them (since Iron).
+// Message definitions by type, if the writer stored them (since ROS 2 Iron).
 std::map<std::string, std::string> definitions_in(const Database& database) {
   std::map<std::string, std::string> definitions;
   const Statement rows = prepared(database,
@@ -141,7 +141,7 @@ void read_db3(std::string_view bytes, const std::string& path, bool message_comp
       read_messages(joined, path, message_compression, sink);
       return;
     }
-    // A database in memory has no write-ahead log, so the flag is cleared; rows in the log are
+    // A database in memory has no write-ahead log. The flag is cleared; rows that are only in the log are
     // lost.
     plain.assign(bytes);
     plain[18] = plain[19] = 1;

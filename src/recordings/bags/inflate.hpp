@@ -12,8 +12,8 @@ struct Inflated {
   bool whole = false;  ///< false: truncated or damaged, and `bytes` is its valid beginning
 };
 
-/// Decompresses one stream of `compression`: none (or empty), bz2, lz4 (a frame) or zstd. Memory
-/// grows with the actual data and never beyond `limit` bytes; a longer stream is not whole.
+/// Decompresses one stream of `compression`: none (or empty), bz2, lz4 (a frame) or zstd. Memory grows with
+/// the decompressed data up to `limit` bytes; the result of a longer stream is not whole.
 /// @throws InvalidInput  an unknown compression.
 Inflated inflate(std::string_view compression, std::string_view packed, std::size_t limit);
 

@@ -29,7 +29,7 @@ class Mcap {
  public:
   Mcap(const std::string& path, BagSink* sink) : path_(path), sink_(sink) {}
 
-  // Records up to the end of the data; false if they end early.
+  // Reads records to the end of the data; false if the data end within a record.
   bool read(std::string_view records, bool in_chunk) {
     ByteReader reader(records);
     try {

@@ -27,8 +27,8 @@ class Ros1Source {
   ByteReader reader_;
 };
 
-// CDR: every number aligned to its own size, counted from the end of the header; strings end with a
-// zero.
+// CDR: every number is aligned to its own size, relative to the end of the header; strings end with a zero
+// byte.
 class CdrSource {
  public:
   explicit CdrSource(std::string_view bytes) : reader_(open(bytes)) {}
@@ -85,7 +85,7 @@ class Decoder {
       std::uint32_t count = 1;
       if (field.repeat == FieldNode::Repeat::kFixed) count = field.count;
       if (field.repeat == FieldNode::Repeat::kSequence) count = source_.template number<std::uint32_t>();
-      // Elements have at least one byte each, which bounds the count.
+      // Each element has at least one byte, which bounds the count.
       if (field.repeat != FieldNode::Repeat::kOne && count > source_.left())
         throw CutShort("an array longer than the message");
       for (std::uint32_t k = 0; k < count; ++k) decode_field(field);
@@ -130,7 +130,7 @@ class Decoder {
   Source& source_;
   ValueSink& sink_;
   bool signed_time_;
-  std::size_t steps_;  // limit that ends arrays of empty messages
+  std::size_t steps_;  // remaining steps; the limit ends arrays of empty messages
 };
 
 }  // namespace

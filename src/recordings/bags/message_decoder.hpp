@@ -22,7 +22,7 @@ class ValueSink {
 void decode_ros1(const MessagePlan& plan, std::string_view bytes, ValueSink* sink);
 
 /// Decodes CDR after its header of four bytes: plain, of either byte order, version 1 or 2.
-/// @throws CutShort  the bytes end too early, or the encapsulation is another one.
+/// @throws CutShort  the bytes end too early, or the encapsulation is not supported.
 void decode_cdr(const MessagePlan& plan, std::string_view bytes, ValueSink* sink);
 
 }  // namespace veridyn::bags

@@ -11,8 +11,8 @@
 namespace veridyn::bags {
 namespace {
 
-constexpr int kDeepest = 16;          // messages within messages
-constexpr std::size_t kLeaves = 4096; // leaves of one type
+constexpr int kDeepest = 16;          // largest depth of nested messages
+constexpr std::size_t kLeaves = 4096; // largest number of leaves of one type
 
 struct Line {
   std::string type, name;
@@ -57,7 +57,7 @@ std::string package_of(const std::string& type) {
   return type.substr(0, type.find('/'));
 }
 
-// All definitions of a text: the first is that of `type`.
+// Parses all definitions in a text: the first one is that of `type`.
 Definitions parse(const std::string& type, std::string_view text) {
   Definitions out;
   std::vector<Line>* lines = &out[short_type(type)];
@@ -115,7 +115,7 @@ class Planner {
     return definitions_[type] = std::move(parsed[type]);
   }
 
-  // The full name of a type mentioned in a definition of `package`.
+  // The full name of a type that a definition in `package` mentions.
   std::string resolved(const std::string& name, const std::string& package) const {
     const std::string brief = short_type(name);
     if (primitive(brief) || brief.find('/') != std::string::npos) return brief;

@@ -17,7 +17,7 @@ struct FieldNode {
   FieldKind kind = FieldKind::kMessage;
   enum class Repeat { kOne, kFixed, kSequence } repeat = Repeat::kOne;
   std::uint32_t count = 0;           ///< size of a fixed array
-  int leaf = 0;                      ///< index into MessagePlan::paths, of a field that is no message
+  int leaf = 0;                      ///< index into MessagePlan::paths, for a field of a basic type
   std::vector<FieldNode> children;   ///< fields of a message, in serialised order
 };
 
@@ -27,10 +27,10 @@ struct MessagePlan {
   std::vector<std::string> paths;  ///< of the leaves, as "wrench/force/x"
 };
 
-/// Builds a plan from a definition (ROS 1 or 2, dependencies after lines of '='), or, if that is
-/// empty, from the few common types that are built in.
+/// Builds a plan from a definition (ROS 1 or 2, dependencies after lines of '='), or, if that is empty, from
+/// the built-in definitions of common types.
 /// @param ros2  time is int32 and uint32, and a Header has no seq.
-/// @throws InvalidInput  the type is unknown, refers to unknown ones, or contains itself.
+/// @throws InvalidInput  the type is unknown, refers to unknown types, or contains itself.
 MessagePlan plan_of(const std::string& type, const std::string& definition, bool ros2);
 
 /// "sensor_msgs/JointState" for sensor_msgs/msg/JointState.

@@ -24,7 +24,7 @@ enum Operation : std::uint8_t {
 
 using Fields = std::map<std::string_view, std::string_view>;
 
-// Fields `name=value`, each after its length. The value is binary and may contain '='.
+// Parses fields `name=value`, each after its length. The value is binary and may contain '='.
 Fields fields_of(std::string_view header) {
   Fields fields;
   ByteReader reader(header);
@@ -68,7 +68,7 @@ Record next_record(ByteReader* reader) {
   record.fields = fields_of(reader->sized_text());
   record.operation = number_in<std::uint8_t>(record.fields, "op");
   const auto size = reader->number<std::uint32_t>();
-  // Very old bags have a wrong size here; the count is correct.
+  // Very old bags have a wrong size here, but the count is correct.
   const bool by_count = record.operation == kIndexData && record.fields.count("count") > 0;
   record.data = reader->read_bytes(
       by_count ? std::uint64_t{12} * number_in<std::uint32_t>(record.fields, "count") : size);
@@ -130,7 +130,7 @@ class Bag {
     return true;
   }
 
-  // Reads record after record until the data end.
+  // Reads records in sequence until the data end.
   void read_on(std::size_t first) {
     sink_->remarks.push_back(
         "the bag has no sound index, as after a crash: it is read up to its last whole message.");
@@ -139,8 +139,8 @@ class Bag {
     try {
       while (reader.left() > 0) {
         const Record record = next_record(&reader);
-        // A chunk that was never closed has a size of 0; if compressed, the rest of the file is its
-        // stream.
+        // A chunk that was never closed has a size of 0; if it is compressed, its stream is the rest of the
+        // file.
         const bool open = record.operation == kChunk && record.data.empty();
         const std::string compression = text_in(record.fields, "compression");
         if (open && compression != "none") {

@@ -15,8 +15,8 @@ namespace {
 using recordings::RawField;
 using recordings::RawStream;
 
-constexpr std::size_t kLongestArray = 256;  // numbers of a field that are kept
-constexpr std::size_t kStreams = 64;        // kinds of messages on a topic
+constexpr std::size_t kLongestArray = 256;  // largest number of values that are kept of an array
+constexpr std::size_t kStreams = 64;        // largest number of different sets of names and sizes on a topic
 constexpr int kDeepestJson = 12;
 
 bool is_last(const std::string& path, const std::string& word) {
@@ -92,7 +92,7 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
     useful_ = useful_ || signal;
     leaf_of(path);
   }
-  // Counts leaves as the plan does.
+  // Numbers the leaves as the plan does.
   if (leaves_.size() != plan_.paths.size()) {
     problem_ = "its definition gives two fields one name";
     return;
@@ -156,8 +156,8 @@ void TopicDecoder::add(std::int64_t recorded, std::string_view bytes) {
   store(recorded);
 }
 
-// The columns of the current message. Arrays with the length of its list of names are signals of
-// these joints; without such a list, joints have numbers from 0.
+// The columns of the current message. Arrays as long as the message's list of names are signals of these
+// joints; without such a list, joints are numbered from 0.
 std::vector<RawField> TopicDecoder::fields() const {
   std::vector<RawField> out;
   for (const Leaf& leaf : leaves_) {

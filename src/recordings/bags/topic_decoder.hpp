@@ -11,20 +11,20 @@
 
 namespace veridyn::bags {
 
-/// Decodes the messages of one channel into streams, one for every set of names or sizes.
+/// Decodes the messages of one channel into streams, one for each set of names and sizes.
 class TopicDecoder : public ValueSink {
  public:
   /// @param definite  true: the user chose this topic explicitly.
   TopicDecoder(const Channel& channel, bool definite);
 
-  /// True if it has joints' signals or plain numbers, or was chosen by the user.
+  /// True if the channel has joint signals or plain numbers, or was chosen by the user.
   bool useful() const { return useful_; }
-  /// Reason for not decoding it; empty: it is decoded.
+  /// Reason if the channel is not decoded; empty if it is.
   const std::string& problem() const { return problem_; }
 
   void add(std::int64_t recorded, std::string_view bytes);
 
-  /// The streams, in the order in which they began; to be called once.
+  /// The streams, in the order of their first message. Call it once.
   std::vector<recordings::RawStream> extract_streams();
   long bad_messages() const { return bad_; }
   const std::string& bad_reason() const { return bad_reason_; }

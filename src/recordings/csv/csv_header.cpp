@@ -22,7 +22,7 @@ TopicColumn split_topic(const std::string& name) {
   const RawField field = field_of(name.substr(before == std::string::npos ? 0 : before + 1));
   const bool of_joint = field.signal >= 0 && before != std::string::npos && before > 0 &&
                         name.find('[', last) == std::string::npos;
-  // `/pan/position`: a topic of one number for each joint.
+  // `/pan/position`: a topic with one number, for one joint.
   const bool alone = before == 0 && field.signal >= 0 && name.find_first_of("[0123456789", last) == std::string::npos &&
                      field_of(name.substr(last + 1)).signal >= 0;
   if (alone) return {"", name.substr(1)};
@@ -71,8 +71,7 @@ bool is_plain(const CsvHeader& header) {
     return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
   };
   if (!has("q1") || (!has("t") && header.time.recorded)) return false;
-  // A signal that occurs under two names, as qd1 beside q1, has to be distinguished by its full
-  // name.
+  // A signal that occurs under two names, such as qd1 and q1, has to be distinguished by its full name.
   int own[kRecordedSignals] = {};
   int other[kRecordedSignals] = {};
   for (const std::string& name : header.names) {

@@ -20,7 +20,7 @@ struct CsvHeader {
 /// @param time_name  the column of the clock chosen by the user; else empty.
 CsvHeader parse_csv_header(std::string_view line, const std::string& time_name);
 
-/// True for a header of t, q1..qn, which the plain reader takes row by row.
+/// True for a header t, q1..qn, which is read row by row by csv_rows().
 bool is_plain(const CsvHeader& header);
 
 /// Topic and path of a column: "/joint_states/elbow/position" is elbow/position on /joint_states,

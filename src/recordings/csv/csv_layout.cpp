@@ -40,7 +40,7 @@ ColumnName split(const std::string& name) {
   return parts;
 }
 
-// The signal that a misspelt column name probably means, or -1: other case, `_` before the number,
+// The signal that a misspelt column name probably means, or -1: different case, `_` before the number,
 // swapped letters, or a common word.
 int likely_signal(const ColumnName& name) {
   static const std::pair<const char*, const char*> kWords[] = {
@@ -74,7 +74,7 @@ void suggest_missing(const CsvLayout& layout, const std::string& where) {
   }
 }
 
-// First few names, for messages.
+// The first few names, for messages.
 std::string first_names(const std::vector<std::string>& names) {
   std::string list;
   for (std::size_t k = 0; k < names.size() && k < 8; ++k) list += (k > 0 ? ", " : "") + excerpt(names[k]);
@@ -120,7 +120,7 @@ void count_joints(const std::vector<ColumnName>& columns, const std::string& whe
 }  // namespace
 
 char csv_separator(std::string_view line) {
-  // In a row of numbers a comma beside semicolons or tabs is a decimal comma.
+  // In a row of numbers separated by semicolons or tabs, a comma is a decimal comma.
   const bool numbers = line.find_first_not_of("+-0123456789.,;eE \t\"naiNfF") == std::string_view::npos;
   char best = ' ';
   std::ptrdiff_t most = 0;

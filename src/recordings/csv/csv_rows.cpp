@@ -29,7 +29,7 @@ bool is_blank(char c) {
 // Parses one line into a row of numbers.
 class RowParser {
  public:
-  /// @param first_date  of the file; set by the first date, to which times are relative then.
+  /// @param first_date  of the file; set by its first date, to which all times are relative.
   RowParser(const CsvLayout& layout, const CsvLines& lines, std::optional<std::int64_t>& first_date)
       : layout_(layout), lines_(lines), first_date_(first_date) {}
 
@@ -61,7 +61,7 @@ class RowParser {
     while (p_ != end_ && is_blank(*p_)) ++p_;
   }
 
-  // Skips blanks that do not separate.
+  // Skips blanks that are no separators.
   void skip_padding() {
     while (p_ != end_ && is_blank(*p_) && !at_field_end()) ++p_;
   }
@@ -116,7 +116,7 @@ class RowParser {
     p_ = rest;
     skip_padding();
     if (error == std::errc() && at_field_end()) return value;
-    // Quotes, a decimal comma, a word for a missing value.
+    // The slow path: quotes, a decimal comma, or a word for a missing value.
     p_ = first;
     skip_field();
     std::string field(first, p_);
@@ -155,7 +155,7 @@ class RowParser {
   const char* end_ = nullptr;
 };
 
-// "q1,dq1,tau1,q2,..." in place of "q,dq,tau".
+// True if the columns are given as "q1,dq1,tau1,q2,..." and not as "q,dq,tau".
 bool name_each_joint(const std::vector<std::string>& columns) {
   return std::any_of(columns.begin(), columns.end(), [](const std::string& name) {
     return !name.empty() && name.back() >= '0' && name.back() <= '9';
@@ -172,11 +172,11 @@ CsvLayout layout_from_names(const std::vector<std::string>& names, std::string_v
   return layout;
 }
 
-// rows of one time and other values >= kMostEqual: the times have lost their digits.
+// rows with equal times and different values >= kMostEqual: the times have lost their digits.
 constexpr long kMostEqual = 200;
-// and in a file that ends before: > kFewEqual, and one time in more than kDistinct rows.
+// For a file that ends earlier: > kFewEqual such rows, and more than kDistinct rows for each distinct time.
 constexpr long kFewEqual = 10, kDistinct = 20;
-// step of a position <= kSteady * the step before + kSmallStep [rad, m]: the arm moves on.
+// step of a position <= kSteady * the previous step + kSmallStep [rad, m]: the motion continues.
 constexpr double kSteady = 5.0, kSmallStep = 2e-3;
 constexpr int kFirstRows = 4096;  // initial capacity of a piece; it doubles, as files may end early
 
@@ -222,23 +222,23 @@ class CsvRows : public RowSource {
   CsvLines lines;
   CsvLayout layout;
   std::string header;      // line with the names of the columns, or empty
-  std::string first_line;  // the first row of numbers, if it was read ahead
+  std::string first_line;  // first row of numbers, if it was read in advance
   bool has_first_line = false;
-  std::vector<double> row;  // the current row; row[0] is t
-  long row_number = 0;      // of the next row in the file, from 0
+  std::vector<double> row;  // current row; row[0] is t
+  long row_number = 0;      // number of the next row in the file, from 0
   double time = kGap;       // of the last row with a time
   double step = 0.0;
-  long gaps_left = 0;  // gap rows without a time, still to be returned before held_row
+  long gaps_left = 0;  // rows without a time that are still to be returned before held_row
   std::vector<double> held_row;
-  std::vector<UnitScale> scales;  // to SI, by slot; empty: nothing to do
-  long repeated = 0;       // rows dropped because they repeat the time of the row before
+  std::vector<UnitScale> scales;  // factors to SI for each slot; empty: all are one
+  long repeated = 0;       // rows that were dropped because they repeat the time of the previous row
   std::optional<std::int64_t> first_date;  // [ns]
-  std::vector<double> before, second_before;  // the last rows with a time
-  long equal = 0, equal_run = 0, timed = 0;  // rows with the time before and other values; their last run; all
-  double moved_on = 0.0;    // [s] added to times behind a clock that stepped back
+  std::vector<double> before, second_before;  // the last two rows with a time
+  long equal = 0, equal_run = 0, timed = 0;  // rows with the time of the previous row and other values; length of their last run; rows with a time
+  double moved_on = 0.0;    // [s] added to times after a clock was set back
   double first_time = kGap;
-  double counted_time = 0.0;         // [s] of the row before
-  std::optional<long> counted_from;  // the row from which rows are counted, as --rate says
+  double counted_time = 0.0;         // [s] time of the previous row
+  std::optional<long> counted_from;  // the first row whose time is counted, as for --rate
   std::vector<std::string> remarks;
 };
 
@@ -269,7 +269,7 @@ void CsvRows::read_layout() {
   std::string where = text(lines.path(), ":", lines.number());
   bool numbers = is_row_of_numbers(line);
   if (!options.columns.empty()) {
-    if (!numbers) {  // a header, which options.columns overrides
+    if (!numbers) {  // a header, over which options.columns takes precedence
       require(lines.next(&line), where, ": found a header without rows, expected numbers below it.");
       where = text(lines.path(), ":", lines.number());
       numbers = is_row_of_numbers(line);
@@ -350,8 +350,8 @@ void CsvRows::count_from_here() {
   remarks.push_back(text("from row ", row_number, " on the times do not grow: the rows are counted at ", options.rate, " Hz, as --rate says."));
 }
 
-// A clock that was set back while the arm moved on is moved on; one that starts anew with another position begins
-// another recording.
+// Times after a clock was set back are shifted, if the arm's motion continues. A clock that starts anew at
+// another position begins another recording, which is an error.
 void CsvRows::handle_backward_time(double found) {
   bool moves_on = found > first_time && second_before.size() == row.size() && !options.signals.as_recorded;
   for (int joint = 0; moves_on && joint < layout.joints; ++joint) {
@@ -366,7 +366,7 @@ void CsvRows::handle_backward_time(double found) {
   moved_on += time + step - found;
 }
 
-// Checks that the row's time increases, where it must. False: the row repeats the one before.
+// Checks that the row's time increases where it has to. False if the row repeats the previous one.
 bool CsvRows::accept_time() {
   double& t = row[CsvLayout::kTime];
   ++timed;
@@ -403,7 +403,7 @@ bool CsvRows::accept_time() {
   return true;
 }
 
-// Called at a row without a time: reads ahead to the next row with one. False if there is none.
+// Called at a row without a time: reads to the next row with one. False if there is none.
 bool CsvRows::hold_gaps() {
   const double last_time = time;
   std::string_view line;

@@ -20,10 +20,10 @@ namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPreamble = 30;        // largest number of lines before a header
-constexpr std::size_t kDistinct = 20;  // one time in more rows: the times have lost their digits
+constexpr std::size_t kDistinct = 20;  // rows for each distinct time, above which the times have lost their digits
 constexpr std::size_t kProbe = 400;  // rows used to guess the unit of the time
 
-// Destination of a column: its stream, and its field in it; stream -1: dropped.
+// Destination of a column: its stream and its field there; stream -1: the column is dropped.
 struct Place {
   int stream = -1;
   std::size_t field = 0;
@@ -54,7 +54,7 @@ class Table {
       } else if (numbers) {
         return false;
       }
-      // Other lines may precede the header, which is recognised by a clock or positions of joints.
+      // Other lines may precede the header, which is recognised by a clock or by positions of joints.
       if (header.names.size() > 1 && (header.time.recorded || header.positions > 0)) {
         header_ = std::move(header);
         header_line_ = lines_.number();
@@ -138,7 +138,7 @@ class Table {
     }
   }
 
-  // Factor to SI from the unit in the column's name or in the second line.
+  // Factor to SI, from the unit in the column's name or in the second line.
   double factor_of(std::size_t column, const RawField& field, std::set<std::string>* told) const {
     if (field.signal < 0) return 1.0;
     const std::string unit =
@@ -185,7 +185,7 @@ class Table {
                                   " no time and ", skipped_ == 1 ? "is" : "are", " left out."));
   }
 
-  // Reads the joints' names from columns of their own.
+  // Reads the names of the joints from their own columns.
   void read_joint_names(const std::vector<std::string>& fields) {
     if (names_column_.empty()) return;
     for (RawStream& stream : raw_.streams) {
@@ -246,14 +246,14 @@ class Table {
     for (std::size_t s = 0; s < raw_.streams.size(); ++s) {
       if (many && any[s] == 0) continue;
       RawStream& stream = raw_.streams[s];
-      // Row number; replaced by its time at the end.
+      // The row's number; replaced by its time at the end.
       stream.recorded.push_back(static_cast<std::int64_t>(at));
       if (header_.time.stamped) stream.stamped.push_back(stamp);
       stream.values.insert(stream.values.end(), (*rows)[s].begin(), (*rows)[s].end());
     }
   }
 
-  // Value of one unit of the clock, in ns.
+  // Length of one unit of the clock [ns].
   std::int64_t time_unit() {
     const auto given = options_.signals.units.find("t");
     if (given != options_.signals.units.end())
@@ -342,7 +342,7 @@ bool is_csv_table(CsvLines& lines, const RecordingOptions& options) {
   if (!options.signals.map.empty()) return true;
   if (is_plain(table.header())) return false;
   if (table.header().positions > 0) return true;
-  // Columns named exactly like joints.
+  // Number of columns named exactly like joints.
   std::size_t named = 0;
   for (const WantedJoint& joint : options.signals.joints) {
     for (const std::string& name : table.header().names) named += name.find(joint.name) != std::string::npos;

@@ -6,15 +6,15 @@
 
 namespace veridyn::recordings {
 
-/// Reads a text table whose columns have other names than t, q1..qn, as written by PlotJuggler,
-/// `rostopic echo -p`, RTDE and MuJoCo, or a header with joints' names.
+/// Reads a text table whose columns have other names than t, q1..qn, as written by PlotJuggler, `rostopic
+/// echo -p`, RTDE and MuJoCo, or a header with joint names.
 ///
-/// The time is the column named time, timestamp, stamp, %time, __time or t, or a pair sec and nsec;
-/// its unit follows its name, or is guessed from its size if only one is plausible. Columns of one
-/// topic (`/joint_states/elbow/position`) form rows of their own where they are not empty. Degrees
-/// and millimetres, named in a column's name or in a second line of units, are converted to SI.
-/// Numbers with a decimal comma are accepted where another sign separates the columns.
-/// @throws InvalidInput  ragged rows, text in a column that is a joint's signal, no time.
+/// The time is the column named time, timestamp, stamp, %time, __time or t, or a pair sec and nsec. Its unit
+/// follows from its name or, if only one unit is plausible, from its size. Columns of one topic
+/// (`/joint_states/elbow/position`) form rows of their own where they are not empty. Degrees and millimetres,
+/// named in a column's name or in a second line of units, are converted to SI. Numbers may have a decimal
+/// comma if the columns are separated by another character.
+/// @throws InvalidInput  rows of different length, text in a column of a joint signal, no time.
 RawRecording read_csv_table(CsvLines lines, const RecordingOptions& options);
 
 /// True if the first line of a text file is a header for read_csv_table() and not that of a plain

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1000000000;
 
-std::int64_t unit_named(const std::string& word) {
+std::int64_t unit_in_nanoseconds(const std::string& word) {
   if (word == "ns" || word == "nsec" || word == "nsecs" || word == "nanoseconds") return 1;
   if (word == "us" || word == "usec" || word == "microseconds") return 1000;
   if (word == "ms" || word == "msec" || word == "millis" || word == "milliseconds") return 1000000;
@@ -26,12 +26,12 @@ bool is_time_word(const std::string& word) {
          word == "times" || word == "clock" || word == "timestamps" || word == "zeit";
 }
 
-// Score of a name as a clock's; 0: it is none.
+// Score of a column name as the name of a clock; 0: it is none.
 int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   bool time = false;
   for (const std::string& word : words) time = time || is_time_word(word);
-  const bool only_unit = words.size() == 1 && unit_named(words[0]) != 0;
+  const bool only_unit = words.size() == 1 && unit_in_nanoseconds(words[0]) != 0;
   if (!time && !only_unit) return 0;
   return 10 - static_cast<int>(words.size());
 }
@@ -64,7 +64,7 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
     if (fit > best && field_of(names[k]).signal < 0) {
       best = fit;
       columns.recorded = column;
-      columns.unit = words.size() > 1 || !is_time_word(last) ? unit_named(last) : 0;
+      columns.unit = words.size() > 1 || !is_time_word(last) ? unit_in_nanoseconds(last) : 0;
     }
   }
   if (seconds && fraction && best < 9) {
@@ -92,7 +92,7 @@ std::int64_t likely_time_unit(double first, double median_step, bool whole_numbe
 std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
   const char* p = text.data();
   const char* const end = p + text.size();
-  // A number of some digits and the sign behind it, one of `signs`.
+  // A number with some digits, followed by one of `signs`.
   const auto part = [&](int digits, const char* signs, std::int64_t* value) {
     const auto [rest, error] = std::from_chars(p, end, *value);
     if (error != std::errc() || rest - p != digits || *p == '-') return false;

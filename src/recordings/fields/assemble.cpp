@@ -19,12 +19,12 @@ namespace {
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 // [ns] larger times count from 1970.
 constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
-// In median steps: other streams are interpolated across shorter steps only.
+// Median steps: other streams are interpolated only across shorter steps.
 constexpr double kLongStep = 2.5;
-// In the base's median steps: a stream with longer ones is reported.
+// Median steps of the base: a stream with longer steps is reported.
 constexpr double kSlower = 1.5;
 
-// The stream that has the most columns; the longest of these.
+// The stream with the most columns; among equals the longest.
 int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
   std::map<int, std::pair<int, std::size_t>> weight;
   for (const auto& places : chosen.places) {
@@ -40,8 +40,8 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
       ->first;
 }
 
-// A column of another stream at the times of the base, by linear interpolation; NaN where its rows
-// are further apart than usual.
+// A column of another stream at the times of the base, by linear interpolation; NaN between rows that are
+// farther apart than usual.
 VectorXd interpolated(const RawStream& stream, std::size_t field, const StreamClock& clock,
                       std::int64_t shift, const std::vector<std::int64_t>& wanted) {
   VectorXd out = VectorXd::Constant(wanted.size(), kGap);
@@ -112,7 +112,7 @@ class Assembler {
     const StreamClock& own = clock_of_stream(base);
     if (place.stream != base) {
       others_.insert(place.stream);
-      // Recording times lag the stamps by the base's usual delay.
+      // Recording times lag behind the stamps by the usual delay of the base.
       const StreamClock& other = clock_of_stream(place.stream);
       const bool own_stamps = own.recorded_after != 0;
       const bool other_stamps = other.recorded_after != 0;
@@ -159,7 +159,7 @@ class Assembler {
     return values;
   }
 
-  // Treats efforts as currents where the user declared them so.
+  // Converts efforts to currents, if the user has declared them as such.
   void efforts_in_amperes(Imported* out) const {
     if (!is_current_unit(unit_of(choice_, "tau", 0)) || out->recording.tau.size() == 0) return;
     out->recording.current = std::move(out->recording.tau);
@@ -198,7 +198,7 @@ class Assembler {
     facts->remarks = std::move(remarks);
   }
 
-  // A stream of a lower rate has no higher frequencies, whatever the rate of the rows.
+  // Remarks on a stream of a lower rate, which has no higher frequencies, whatever the rate of the rows.
   void remark_on_slower_stream(int stream, int base, std::vector<std::string>* remarks) {
     const double step = 1e-9 * static_cast<double>(median_step(clock_of_stream(stream).time));
     const double own = 1e-9 * static_cast<double>(median_step(clock_of_stream(base).time));

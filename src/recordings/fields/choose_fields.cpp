@@ -18,7 +18,8 @@ namespace {
 
 constexpr int kQ = 0, kTau = 3, kCurrent = 4;
 
-// Joints of a topic that have a position, in the order of first appearance; plain numbers by value.
+// Joints of a topic that have a position, in the order of first appearance; numbers as names are sorted by
+// value.
 std::vector<std::string> joints_with_position(const RawRecording& raw, const std::string& topic) {
   std::vector<std::string> joints;
   for (const RawStream& stream : raw.streams) {
@@ -85,7 +86,7 @@ void require_topics(const RawRecording& raw, const std::string& path, const Sign
   }
 }
 
-// Rank of a topic: measured, then unnamed, then commanded.
+// Rank of a topic: measured ones first, then unnamed, then commanded ones.
 int rank_of(const std::string& topic) {
   static const std::set<std::string> kCommanded = {"setpoint", "desired", "goal",     "command",
                                                    "target",   "servo",   "commands", "reference",
@@ -105,7 +106,7 @@ struct Candidate {
   int matched = 0;
   int rank = 0;
   bool efforts = false;
-  std::string problem;  // reason for which names were ambiguous
+  std::string problem;  // reason for which names are ambiguous
 };
 
 Candidate candidate_of(const RawRecording& raw, const std::string& topic,
@@ -140,7 +141,7 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return a.efforts && !b.efforts;
 }
 
-// Summary of a file without positions of joints, for messages.
+// The joints of a file without positions, for messages.
 std::string found_joints_text(const RawRecording& raw) {
   std::vector<std::string> words;
   for (const RawTopic& topic : raw.topics)
@@ -184,7 +185,7 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
   return first;
 }
 
-// Adds efforts of a topic of their own: as many numbers as joints, with a matching name.
+// Adds the efforts of a separate topic with as many numbers as joints and a matching name.
 void add_separate_efforts(const RawRecording& raw, const std::vector<std::string>& taken_topics,
                           ChosenFields* chosen) {
   const auto lacks = [&](int signal) {
@@ -228,7 +229,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
   }
 }
 
-// Throws for joints of the arm that the file lacks, with their names and those of the file.
+// Throws if the file lacks joints of the arm; the message has their names and those in the file.
 void require_all_joints(const Candidate& c, const std::string& path, const SignalChoice& choice,
                         const std::vector<char>& mapped) {
   std::vector<std::string> missing;
@@ -244,7 +245,7 @@ void require_all_joints(const Candidate& c, const std::string& path, const Signa
                           c.problem.empty() ? "" : " (" + c.problem + ")", "."));
 }
 
-// Columns named exactly like a joint are its position.
+// Columns named exactly like a joint are its positions.
 void name_bare_positions(const SignalChoice& choice, RawRecording* raw) {
   for (const RawStream& stream : raw->streams) {
     for (const RawField& field : stream.fields) {
@@ -287,7 +288,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
   ChosenFields chosen;
   std::vector<char> mapped;
   if (map.maps_all_positions()) {
-    // All positions are named, so that no topic has to be found.
+    // All positions are mapped, so that no topic has to be found.
     const std::size_t n = choice.joints.empty() ? map.largest_joint() : choice.joints.size();
     for (std::size_t j = 0; j < n; ++j) {
       chosen.joints.push_back(choice.joints.empty() ? std::to_string(j + 1) : choice.joints[j].name);
@@ -311,7 +312,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
       for (int signal = 0; signal < kSignalCount; ++signal) {
         std::optional<FieldPlace>& place = chosen.places[j][signal];
         place = place_of(*raw, c.topic, recorded, signal);
-        // Other chosen topics provide signals that the first lacks.
+        // Further chosen topics provide the signals that the first one lacks.
         for (const std::string& other : choice.topics) {
           if (!place) place = place_of(*raw, other, recorded, signal);
         }

@@ -18,11 +18,11 @@ struct FieldPlace {
 
 constexpr int kSignalCount = 5;  ///< as kRecordingSignals
 
-/// Location of each signal of each joint.
+/// Location of every signal of every joint in a file.
 struct ChosenFields {
-  std::vector<std::string> joints;    ///< names of the arm, or of the file if no arm is given
-  std::vector<std::string> recorded;  ///< names in the file, joint by joint
-  std::vector<std::array<std::optional<FieldPlace>, kSignalCount>> places;  ///< joint by joint
+  std::vector<std::string> joints;    ///< names in the arm, or in the file if no arm is given
+  std::vector<std::string> recorded;  ///< name of every joint in the file
+  std::vector<std::array<std::optional<FieldPlace>, kSignalCount>> places;  ///< of every joint
   std::vector<std::string> remarks;
 };
 

@@ -11,7 +11,7 @@
 namespace veridyn::recordings {
 namespace {
 
-// Normalised name: `a[3]/b.c` and `a/3/b/c` are equal.
+// Normalised name, in which `a[3]/b.c` and `a/3/b/c` are equal.
 std::string normalized_name(std::string name) {
   std::string out;
   for (const char c : name) {
@@ -36,7 +36,7 @@ std::vector<std::string> names_of(const RawStream& stream, const RawField& field
   return names;
 }
 
-// The number after a prefix, as 3 in `tau_3` for `tau`, or nullopt.
+// The number after a prefix, for example 3 in `tau_3` after `tau`; nullopt without one.
 std::optional<long> number_after_prefix(const std::string& name, const std::string& prefix) {
   if (name.size() <= prefix.size() || name.compare(0, prefix.size(), prefix) != 0)
     return std::nullopt;
@@ -62,7 +62,7 @@ std::optional<FieldPlace> column(const RawRecording& raw, const std::string& sou
   return best;
 }
 
-// Columns that begin with the source and end with a number, by that number.
+// Columns whose names are the source followed by a number, in the order of these numbers.
 std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& source) {
   std::map<long, FieldPlace> found;
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
@@ -78,7 +78,7 @@ std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& sour
   return out;
 }
 
-// On a topic with named joints the caller finds this signal of each joint.
+// On a topic with named joints, the caller finds this signal of each joint.
 std::vector<std::string> all_columns(const RawRecording& raw) {
   std::vector<std::string> names;
   for (const RawStream& stream : raw.streams) {

@@ -10,16 +10,16 @@ namespace veridyn::recordings {
 
 /// The option --map, resolved to columns of a file.
 ///
-/// A source is a column: `/arm/effort/0`, `/arm/effort/data[0]`, `actual_current_0`; for all joints
-/// it is their common prefix, in the order of their numbers: `tau=/arm/effort`.
+/// A source is a column: `/arm/effort/0`, `/arm/effort/data[0]`, `actual_current_0`. For all joints it is the
+/// common prefix of their columns, which are taken in the order of their numbers: `tau=/arm/effort`.
 class FieldMap {
  public:
-  /// @throws InvalidInput  a key that is no signal, joint or t, or a source that the file lacks.
+  /// @throws InvalidInput  a key that is no signal, joint or t, or a source that is not in the file.
   FieldMap(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
 
-  /// The mapped column of a signal of joint `joint` (from 0); not found() if it is not mapped.
+  /// The mapped column of a signal of joint `joint` (from 0); nullopt if it is not mapped.
   std::optional<FieldPlace> place(int signal, std::size_t joint) const;
-  /// Signals that take another joint's, as in tau1=tau2: by the mapped one, the source.
+  /// Signals taken from another joint, as in tau1=tau2: the source of each mapped one.
   struct Taken {
     int signal;
     std::size_t joint;
@@ -31,7 +31,7 @@ class FieldMap {
   bool maps_all_positions() const;
   /// The largest joint number among the mapped positions.
   std::size_t largest_joint() const;
-  /// Joints that have another name in the recording.
+  /// Joints with another name in the recording than in the arm.
   const std::map<std::string, std::string>& renamed() const { return renamed_; }
 
  private:

@@ -10,15 +10,15 @@
 
 namespace veridyn::recordings {
 
-/// A recording that is not a stream of rows t, q1..qn; read as a whole.
+/// A recording that is read as a whole: not a stream of rows t, q1..qn.
 struct Imported {
   Recording recording;
   RecordingFacts facts;
 };
 
-/// Assembles the arm's signals from the contents of a file: topic, joints, clock, units.
-/// @throws InvalidInput  no positions; a missing joint of the arm; several topics that fit equally
-/// well (only with an arm; otherwise the first is taken with a remark).
+/// Assembles the arm's signals from the contents of a file: chooses topic, joints, clock and units.
+/// @throws InvalidInput  no positions; a missing joint of the arm; several topics that fit the arm equally
+/// well (without an arm the first one is taken, with a remark).
 Imported assemble(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
 
 /// Reads a bag or an array file.

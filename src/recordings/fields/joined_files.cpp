@@ -12,9 +12,9 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kNanoseconds = 1e9;
-constexpr std::size_t kDigits = 4;  // of a joint's number, at most
+constexpr std::size_t kDigits = 4;  // largest number of digits of a joint's number
 
-// One file with the names of its own joints, in the units of the file.
+// Reads one file with the names of its own joints, in the units of the file.
 RawStream stream_of(const std::string& file, const RecordingOptions& options, RecordingFacts* facts) {
   RecordingOptions plain = options;
   plain.first_row = 0;
@@ -47,10 +47,10 @@ RawStream stream_of(const std::string& file, const RecordingOptions& options, Re
   return out;
 }
 
-// Numbers joints on from file to file where each file counts its own from 1.
+// Numbers the joints consecutively over all files, if each file counts its own from 1.
 void renumber_joints(const std::vector<std::string>& files, std::vector<RawStream>* streams) {
   std::set<std::string> all;
-  std::string second, where;  // the first name that a file before has, too
+  std::string second, where;  // first name that an earlier file has as well
   bool numbers = true;
   for (std::size_t s = 0; s < streams->size(); ++s) {
     std::set<std::string> own;

@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Words that distinguish joints.
+// Words of a name that distinguish it from other joints.
 Words distinctive_words(const std::string& name) {
   static const std::set<std::string> kIdle = {"joint", "link", "axis", "jnt"};
   Words words = words_of(name);
@@ -24,7 +24,7 @@ Words distinctive_words(const std::string& name) {
   return words;
 }
 
-// Number of words of `longer` before `shorter`, or nullopt if it does not end with it.
+// Number of words in `longer` before those of `shorter`; nullopt if it does not end with them.
 std::optional<int> leading_words(const Words& shorter, const Words& longer) {
   if (shorter.empty() || shorter.size() > longer.size()) return std::nullopt;
   const auto behind = longer.end() - static_cast<long>(shorter.size());
@@ -41,7 +41,7 @@ std::optional<long> last_number(const std::string& name) {
   return std::stol(last);
 }
 
-// Indices of numbers 1..n, or 0..n-1, one for each joint; empty if there are none.
+// Indices of the names 1..n, or 0..n-1, one for each joint; empty if the names are others.
 std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& recorded) {
   std::vector<std::pair<long, int>> numbers;
   for (std::size_t k = 0; k < recorded.size(); ++k) {
@@ -100,7 +100,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             wanted[j], ", expected --map ", wanted[j], "=NAME.");
     if (!candidates.empty()) take(j, candidates.front());
   }
-  bool none = true;  // no match apart from those of the user
+  bool none = true;  // no match except those given by the user
   for (std::size_t j = 0; j < wanted.size(); ++j)
     none = none && (out[j] < 0 || renamed.count(wanted[j]) > 0);
   if (none || numbers) {
@@ -109,7 +109,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
       if (renamed.count(wanted[j]) == 0) out[j] = counted[j];
     }
   }
-  if (none && wanted.size() == 1 && recorded.size() == 1 && renamed.empty()) out[0] = 0;  // one joint can be no other
+  if (none && wanted.size() == 1 && recorded.size() == 1 && renamed.empty()) out[0] = 0;  // a single joint matches a single name
   return out;
 }
 

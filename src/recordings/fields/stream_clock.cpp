@@ -14,7 +14,7 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kMostStamps = 0.9;  // share of rows that must have an increasing stamp
-constexpr std::int64_t kRestart = 20;  // median steps: a clock that falls by more was started anew
+constexpr std::int64_t kRestart = 20;  // in median steps; a clock that falls by more was restarted
 constexpr double kFewBack = 0.01;    // share of rows out of order that are sorted without a remark
 
 // Compares bytes, so that a repeated 'nan' counts as equal.
@@ -44,7 +44,7 @@ std::int64_t median_delay(const RawStream& stream) {
   return median(std::move(delays));
 }
 
-// The stamps, with recording times in place of missing or decreasing ones.
+// The stamps; missing or decreasing ones are replaced by recording times.
 std::vector<std::int64_t> repaired_stamps(const RawStream& stream, std::int64_t delay,
                                           long* replaced) {
   std::vector<std::int64_t> time = stream.stamped;
@@ -68,7 +68,7 @@ std::vector<std::int64_t> repaired_stamps(const RawStream& stream, std::int64_t 
   return time;
 }
 
-// Handles rows that repeat the time of the row before: dropped, or spread up to the next time.
+// Handles rows with the time of the previous row: drops them, or spreads them up to the next time.
 void resolve_repeats(const RawStream& stream, StreamClock* clock) {
   std::vector<std::int64_t> time;
   std::vector<std::size_t> rows;

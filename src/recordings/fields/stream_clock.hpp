@@ -18,10 +18,10 @@ struct StreamClock {
 
 /// Determines the times of a stream's rows.
 ///
-/// The sender's stamps are used if nearly all exist and increase; a row whose stamp is missing or
-/// decreases gets its recording time minus the usual delay, if that fits between its neighbours.
-/// Otherwise the recording times are used, sorted. Rows that repeat the previous time are dropped
-/// if they repeat its values as well, and spread evenly up to the next time if not.
+/// The sender's stamps are used if nearly all exist and increase. A row with a missing or decreasing stamp
+/// gets its recording time minus the usual delay, if that lies between its neighbours. Otherwise the sorted
+/// recording times are used. A row with the time of the previous one is dropped if it also has the same
+/// values; otherwise such rows are spread evenly up to the next time.
 /// @throws InvalidInput  the clock runs backwards for longer than a few rows.
 StreamClock clock_of(const RawStream& stream, const std::string& where);
 

@@ -7,14 +7,14 @@
 
 namespace veridyn::bags {
 
-/// Thrown where data end before their announced size, or announce an impossible one.
+/// Thrown if data end before their announced size, or announce an impossible size.
 class CutShort : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads little-endian numbers and runs of bytes, never beyond the end.
-/// Every function that takes bytes throws CutShort where there are fewer left.
+/// Reads little-endian numbers and byte strings, never beyond the end.
+/// Every function that reads bytes throws CutShort if fewer are left.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
@@ -53,7 +53,7 @@ class ByteReader {
     return value;
   }
 
-  /// A run of bytes preceded by its length as u32.
+  /// A byte string preceded by its length as u32.
   std::string_view sized_text() { return read_bytes(number<std::uint32_t>()); }
 
  private:

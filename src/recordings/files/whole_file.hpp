@@ -7,9 +7,9 @@
 
 namespace veridyn {
 
-/// The bytes of a file, in memory: a file that another program cuts in the meantime keeps them. Files
-/// beyond 256 MiB are mapped, so that a bag with pictures costs no more than what is read of it; to
-/// cut such a file while it is read ends the program (SIGBUS).
+/// The bytes of a file in memory, which stay valid if another program truncates the file. A file beyond 256
+/// MiB is mapped instead, so that only the pages that are read use memory (a bag may contain images); if it
+/// is truncated meanwhile, the program ends with SIGBUS.
 class WholeFile {
  public:
   /// @param opened  the file, if it is open already.

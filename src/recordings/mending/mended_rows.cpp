@@ -12,30 +12,32 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-/// rows read before the first one is passed on >= kFirstRows: they determine the clock and the scales.
+/// rows read before the first one is returned >= kFirstRows: they determine the clock and the scales.
 constexpr int kFirstRows = 8192;
-/// first rows < kFewestRows: too few for usual ranges; angles, dropouts and bursts are not corrected.
+/// first rows < kFewestRows: too few for the usual range of a signal; angles, dropouts and bursts are not
+/// corrected.
 constexpr int kFewestRows = 50;
-/// rows of the past that stay in memory = kContext.
+/// previous rows that stay in memory = kContext.
 constexpr int kContext = 8;
-/// dropout <= kLongestDropout [s], at least kFewRows and at most kManyRows: longer ones are no dropouts.
+/// dropout <= kLongestDropout [s], at least kFewRows and at most kManyRows rows; longer ones are not
+/// repaired.
 constexpr double kLongestDropout = 1.0;
 constexpr int kFewRows = 8, kManyRows = 4096;
-/// step < kWithin * mean step in a share of the steps >= kBurstShare: rows come in bursts of two and more. Clocks of
-/// 120 to 160 Hz have none, and late publishers repeat rows without such steps.
+/// step < kWithin * mean step in a share of the steps >= kBurstShare: rows come in bursts of two and more.
+/// Clocks of 120 to 160 Hz have no such steps, and late publishers repeat rows without them.
 constexpr double kWithin = 0.25, kBurstShare = 0.48;
-/// time between bursts > kHole * the usual one: rows are missing before this burst.
+/// time between bursts > kHole * the usual time: rows are missing before this burst.
 constexpr double kHole = 2.5;
-/// |jump - turn| < kOfTurn turns beyond the motion: the angle is wrapped.
+/// |jump - turn| < kOfTurn turns more than the motion explains: the angle is wrapped.
 constexpr double kOfTurn = 0.05;
-/// positions beyond limits + kBeyond * their range are impossible.
+/// positions farther than kBeyond * range outside of the limits are impossible.
 constexpr double kBeyond = 0.05;
-/// step > smallest, kNoise * usual second difference, kOfRange * range, and kAround * the steps around it: a jump.
-/// These are the numbers of the check of jumps (QualityNumbers).
+/// step > each of: smallest jump, kNoise * usual second difference, kOfRange * range, kAround * neighbouring
+/// steps: a jump. These are the numbers of the check of jumps (QualityNumbers).
 constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 4.0;
-/// torque beyond its usual range by > kSpike of that range, in a row alone: a spike.
+/// torque outside of its usual range by > kSpike of that range, in a single row: a spike.
 constexpr double kSpike = 0.5;
-/// |position| > kFar [rad, m] is far from zero.
+/// |position| > kFar [rad, m]: not close to zero.
 constexpr double kFar = 0.05;
 /// Quantile that defines the usual range, so that single wrong values do not count.
 constexpr double kUsual = 0.98;
@@ -62,13 +64,13 @@ class MendedRows : public RowSource {
   RecordingFacts facts() const override;
 
  private:
-  // Known properties of one joint's position.
+  // Properties of one joint's position, as far as known.
   struct Joint {
-    double turn = 2.0 * kPi;  // in the unit of the file, if none is declared
-    double turns = 0.0;       // added to coming rows
-    double jump = HUGE_VAL;   // a larger step needs an explanation
+    double turn = 2.0 * kPi;  // length of a turn in the unit of the file, if no unit is declared
+    double turns = 0.0;       // offset for the following rows
+    double jump = HUGE_VAL;   // smallest step that motion does not explain
     long wraps = 0;
-    double lowest = -HUGE_VAL, highest = HUGE_VAL;  // of its torque, but for spikes
+    double lowest = -HUGE_VAL, highest = HUGE_VAL;  // usual range of the torque, spikes excluded
     long spikes = 0;
   };
 
@@ -94,8 +96,8 @@ class MendedRows : public RowSource {
   SignalChoice choice_;
   std::vector<Joint> joints_;
   Recording held_;
-  int given_ = 0;     // of the held rows, returned already
-  int unwrapped_ = 0, timed_ = 0, sound_ = 0;  // of the held rows, mended by each step
+  int given_ = 0;     // number of held rows that have been returned
+  int unwrapped_ = 0, timed_ = 0, sound_ = 0;  // number of held rows that each step has processed
   int ahead_ = kFewRows;
   bool ended_ = false, begun_ = false, bursts_ = false, few_ = false;
   double step_ = 0.0;         // [s] mean
@@ -113,7 +115,7 @@ bool MendedRows::read_on() {
   return true;
 }
 
-// A row of zeros alone, between positions that are far from zero.
+// True for a row of zeros between positions that are not close to zero.
 bool MendedRows::is_isolated_zero_row(const Recording& piece, int k, const Recording& before, int last) const {
   if (choice_.as_recorded || last < 0 || !(before.q.row(last).cwiseAbs().maxCoeff() > kFar)) return false;
   const bool last_one = k + 1 == piece.rows();
@@ -123,7 +125,7 @@ bool MendedRows::is_isolated_zero_row(const Recording& piece, int k, const Recor
   });
 }
 
-// Rows of another publisher; with as_recorded those that repeat a time.
+// Drops rows of another publisher; with as_recorded those that repeat a time.
 void MendedRows::leave_out(Recording& piece) {
   int kept = 0;
   for (int k = 0; k < piece.rows(); ++k) {
@@ -177,7 +179,8 @@ Recording MendedRows::next(int rows) {
   return out;
 }
 
-// Determines the scales of a step, the behaviour of the clock, and the turn of joints with wrapped angles.
+// Determines the scales of steps, the behaviour of the clock, and the length of a turn for joints with
+// wrapped angles.
 void MendedRows::inspect_first_rows() {
   const int n = held_.rows();
   few_ = n < kFewestRows;
@@ -213,8 +216,8 @@ void MendedRows::inspect_first_rows() {
   start_within_limits();
 }
 
-// Adds whole turns where an angle goes on at the other end of one. Its motion, by the step before and the
-// velocity, has to explain the rest of the jump.
+// Adds whole turns after an angle has wrapped, that is, if the rest of the jump agrees with the previous step
+// and the velocity.
 void MendedRows::unwrap(int from) {
   const int n = held_.rows();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -237,7 +240,7 @@ void MendedRows::unwrap(int from) {
   unwrapped_ = n;
 }
 
-// Angles of a recording in which some are wrapped may have been counted from another turn than the joints' limits.
+// Shifts wrapped angles by whole turns into the joint's limits: they may have been counted from another turn.
 void MendedRows::start_within_limits() {
   const bool wrapped = std::any_of(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.wraps > 0; });
   for (std::size_t j = 0; j < joints_.size() && j < choice_.joints.size(); ++j) {
@@ -259,7 +262,8 @@ void MendedRows::start_within_limits() {
   }
 }
 
-// Several rows with one time and other values: the clock was coarser than they are.
+// Spreads rows with equal times and different values up to the next time: the resolution of the clock was too
+// low.
 void MendedRows::spread_equal_times(int from, int to) {
   auto& t = held_.time;
   int k = std::max(1, from);
@@ -280,7 +284,7 @@ void MendedRows::spread_equal_times(int from, int to) {
   timed_ = to;
 }
 
-// A burst's last row was measured when it arrived, its others since the burst before.
+// Spreads the rows of a burst: the last one was measured on arrival, the others since the previous burst.
 void MendedRows::spread_bursts() {
   auto& t = held_.time;
   const int n = held_.rows();
@@ -300,7 +304,7 @@ void MendedRows::spread_bursts() {
   }
 }
 
-// Largest possible motion of a joint in some rows after a valid one.
+// Largest possible displacement of a joint within some rows after a valid one.
 double MendedRows::reach(int last, int rows, int joint) const {
   double fastest = 0.0;
   for (int k = std::max(1, last - 2); k <= last; ++k) {
@@ -322,7 +326,7 @@ bool MendedRows::continues(int last, int k) const {
   return true;
 }
 
-// True if the first step is one that the second explains.
+// True if the second row explains the step into the first one.
 bool MendedRows::is_explained_by_next() const {
   for (int j = 0; j < joints(); ++j) {
     const double second = std::abs(held_.q(2, j) - held_.q(1, j));
@@ -331,7 +335,8 @@ bool MendedRows::is_explained_by_next() const {
   return true;
 }
 
-// The first row behind `away` that continues the last valid row, after a jump of a joint that jumped away; or -1.
+// The first row after `away` that continues the last valid row, for a joint that had jumped; -1 if there is
+// none.
 int MendedRows::row_of_return(int last, int away) const {
   const int end = std::min(held_.rows(), away + ahead_);
   for (int m = away + 1; m < end; ++m) {
@@ -343,7 +348,8 @@ int MendedRows::row_of_return(int last, int away) const {
   return -1;
 }
 
-// Positions between two sound rows, on the cubic through both and their velocities; gaps where none is recorded.
+// Fills positions between two valid rows by the cubic through both with their velocities; gaps without
+// velocities.
 void MendedRows::fill(int before, int after) {
   const double length = held_.time[after] - held_.time[before];
   for (int k = before + 1; k < after; ++k) {
@@ -360,7 +366,7 @@ void MendedRows::fill(int before, int after) {
 void MendedRows::find_dropouts(int until) {
   int k = std::max(sound_, 1);
   if (sound_ == 0 && held_.rows() > 2 && (held_.q.row(0).array() == 0.0).all() && !is_explained_by_next()) {
-    held_.q.row(0).setConstant(kGap);  // of another publisher
+    held_.q.row(0).setConstant(kGap);  // a row of another publisher
     ++dropped_;
     ++dropouts_;
   }
@@ -371,13 +377,14 @@ void MendedRows::find_dropouts(int until) {
     fill(k - 1, back);
     dropped_ += back - k;
     ++dropouts_;
-    // The row after continues from the last sound one; rows of a gap have no position to jump from.
+    // The next row is compared with the last valid one, because rows of a gap have no position.
     k = back;
   }
   sound_ = std::max(sound_, std::min(k, held_.rows()));
 }
 
-// Torques that are exactly zero on all joints for a while, between values of one sign of a joint that are far from it.
+// Finds torques that are exactly zero on all joints for a time, between values of one sign of a joint that
+// are not close to zero.
 void MendedRows::find_zeros(int until) {
   for (MatrixXd* values : {&held_.tau, &held_.current}) {
     if (values->cols() == 0) continue;
@@ -400,7 +407,7 @@ void MendedRows::find_zeros(int until) {
   }
 }
 
-// A torque far beyond its usual range in a single row, between rows within it.
+// Finds a torque outside of its usual range in a single row between usual ones.
 void MendedRows::find_spikes(int until) {
   for (std::size_t j = 0; j < joints_.size() && held_.tau.cols() > 0; ++j) {
     Joint& joint = joints_[j];

@@ -7,17 +7,18 @@
 
 namespace veridyn::recordings {
 
-/// Rows of a source in which obvious faults are repaired or become gaps. Each kind of fault has one remark
+/// Rows of a source, in which obvious faults are repaired or become gaps. Each kind of fault gives one remark
 /// with the number of rows or of turns:
 ///
-///   equal times  rows with other values than the row before and the same time: spread up to the next time
-///   bursts       rows that were stamped when many of them arrived at once: spread evenly since the burst before
-///   wraps        an angle that goes on at the other end of a turn: whole turns are added
-///   dropouts     positions that leave the motion by a jump and come back to it within a second, torques and
-///                velocities that are exactly zero meanwhile, rows of another publisher: positions are filled in where
-///                velocities are recorded, else gaps
+///   equal times  rows with the time of the previous row and other values: spread up to the next time
+///   bursts       rows that arrived together and have the time of arrival: spread evenly since the previous burst
+///   wraps        angles that jump by a whole turn: whole turns are added
+///   dropouts     positions that jump away and return within a second, torques and velocities that are exactly
+///                zero meanwhile, rows of another publisher: positions are interpolated if velocities are
+///                recorded, else they become gaps
 ///
-/// With choice.as_recorded only rows that repeat a time are left out. Memory: the wanted rows and those of some seconds.
+/// With choice.as_recorded only rows that repeat a time are dropped. Memory: the requested rows and those of
+/// some seconds.
 std::unique_ptr<RowSource> mended(std::unique_ptr<RowSource> rows, const SignalChoice& choice);
 
 }  // namespace veridyn::recordings

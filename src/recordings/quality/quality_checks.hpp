@@ -14,7 +14,7 @@ namespace veridyn::quality {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Signal, joint and size of a finding; the sentence has the rest.
+/// Signal, joint and size of a finding; all else is in its sentence.
 struct Place {
   std::string signal;
   int joint = 0;
@@ -39,7 +39,7 @@ class Findings {
   std::vector<QualityFinding> findings_;
 };
 
-/// A piece of the recording; rows before `fresh` were processed before.
+/// A piece of the recording; rows before `fresh` have been processed.
 struct Piece {
   const Recording& rows;
   int fresh;
@@ -57,38 +57,38 @@ struct Head {
   std::vector<bool> stale;  // per row: equal to the row before while the arm moves
 };
 
-/// Rows of a window of QualityNumbers::window.
+/// Number of rows in QualityNumbers::window.
 int window_rows(const Head& head);
 
 /// Text such as "joint 3 (tau)".
 std::string named(const Place& place);
-/// Text: four significant digits; "12 %" for shares; "1 row", "2 rows".
+/// A number as text: four significant digits; shares as "12 %"; counts as "1 row", "2 rows".
 std::string number(double value);
 std::string percent(double share);
 std::string counted(long count, const std::string& noun);
-/// "N m" or similar unit of a signal of a joint of unknown type.
+/// Unit of a signal of a joint of unknown type, for example "N m".
 std::string unit_of(const std::string& signal);
 
 /// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
 double quantile(std::vector<double> values, double share);
 
-/// quantile(values, share) > bound, without the order of the values.
+/// True if quantile(values, share) > bound; it does not sort the values.
 bool quantile_exceeds(const std::vector<double>& values, double share, double bound);
 
 /// The difference of two quantiles, of which the upper one is `high`.
 double between_quantiles(std::vector<double> values, double low, double high);
 
 std::vector<double> column_of(const MatrixXd& values, Eigen::Index joint);
-/// Range of a column without single wrong values: from its quantile `ends` to 1 - `ends`.
+/// Range of a column without single wrong values: between its quantiles `ends` and 1 - `ends`.
 double range_of(const MatrixXd& values, Eigen::Index joint);
-/// Sizes of a column's changes from row to row, where it changes; and the smallest usual one of them, 0 without changes.
+/// Sizes of a column's changes from row to row, zeros excluded; and its smallest usual change, 0 if nothing
+/// changes.
 std::vector<double> changes_of(const MatrixXd& values, Eigen::Index joint);
 double resolution_of(const MatrixXd& values, Eigen::Index joint);
 
 /// True if row k equals row k - 1 in every signal although the arm moves.
 bool is_stale(const Recording& rows, int k);
-/// True if a velocity of row k is not zero; without velocities, if a position changed within 6
-/// rows.
+/// True if a velocity of row k is not zero; without velocities, if a position has changed within 6 rows.
 bool is_moving(const Recording& rows, int k);
 
 /// Replaces numbers beyond +-1e6 in rows from `fresh` on by NaN, and counts them.
@@ -126,12 +126,12 @@ class TimeTally {
   double lost_time_ = 0.0;
   double longest_hole_ = 0.0;
   double longest_hole_at_ = 0.0;
-  long alike_ = 0;               // holes right behind one of their length
-  double hole_before_ = kNone;   // [rows] of the step before, or none
-  double first_hole_at_ = kNone, length_ = 0.0;  // of the first, and of those alike
+  long alike_ = 0;               // holes directly after another one of the same length
+  double hole_before_ = kNone;   // [rows] length of the hole before, or none
+  double first_hole_at_ = kNone, length_ = 0.0;  // position of the first hole; length of the equal ones
 };
 
-/// Counts stale rows, gaps, and signals that never change.
+/// Counts stale rows, gaps, and constant signals.
 class RowTally {
  public:
   explicit RowTally(const Head& head);
@@ -180,12 +180,13 @@ class JumpTally {
   std::vector<Joint> joints_;
 };
 
-/// Detects torque or current exactly at its extreme, row after row: entered and left abruptly, or at two limits of one size.
+/// Detects torque or current at its extreme value in successive rows: entered and left abruptly, or at two
+/// limits of equal size.
 class ClipTally {
  public:
   explicit ClipTally(const Head& head);
   void add(const Piece& piece);
-  /// @param saturated  set to the stretches of torques at a limit that is not zero
+  /// @param saturated  set to the intervals of torques at a nonzero limit.
   void conclude(Findings* findings, std::vector<SaturatedInterval>* saturated) const;
 
  private:
@@ -196,17 +197,17 @@ class ClipTally {
     double limit = -std::numeric_limits<double>::infinity();  // sign * value
     long run = 0;
     double entry = 0.0;  // size of the step into the run
-    bool abrupt = false;  // one run of at least three rows was entered and left abruptly
-    long rows = 0;        // at the limit
+    bool abrupt = false;  // a run of at least three rows was entered and left abruptly
+    long rows = 0;        // number of rows at the limit
     long longest = 0;
-    long below = 0;  // at the next value below that the channel can have
+    long below = 0;  // rows at the next smaller value of the channel
     std::vector<SaturatedInterval> stretches = {};
   };
   void add_value(double value, double before, double time, Extreme* extreme) const;
   bool is_limit(const Extreme& one, const Extreme& opposite) const;
   void close_run(double after, Extreme* extreme) const;
 
-  std::vector<Extreme> extremes_;  // largest and smallest in turns
+  std::vector<Extreme> extremes_;  // largest and smallest value alternate
   double start_ = 0.0;             // [s]
   long rows_ = 0;
 };
@@ -224,7 +225,7 @@ double share_of(long count, long rows);
 
 void check_motion(const Head& head, Findings* findings);
 void check_velocities(const Head& head, Findings* findings);
-/// [s] by which dq lags the derivative of q, if significant.
+/// Delay of dq behind the derivative of q [s], if significant.
 std::optional<double> velocity_delay(const Head& head, int joint);
 void check_stale_signals(const Head& head, Findings* findings);
 void check_saturated_plateaus(const Head& head, Findings* findings);

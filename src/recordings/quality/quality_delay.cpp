@@ -10,8 +10,8 @@
 namespace veridyn::quality {
 namespace {
 
-// Derivative of q, and dq, both averaged symmetrically over 8 rows, which delays neither. Both are
-// NaN near a missing or wrong row.
+// Derivative of q, and dq, both averaged symmetrically over 8 rows, which adds no delay. Both are NaN near a
+// missing or wrong row.
 struct Velocities {
   double step = 0.0;  // [s] mean
   VectorXd from_q;
@@ -42,7 +42,7 @@ Velocities smoothed_velocities(const Head& head, int joint) {
   return v;
 }
 
-// The delay of the recorded velocity in whole rows: the peak of the correlation.
+// Delay of the recorded velocity in whole rows: the peak of the correlation.
 std::optional<int> whole_delay(const Velocities& v) {
   const int longest = numbers.longest_lag;
   const int core = static_cast<int>(v.from_q.size()) - 2 * longest;
@@ -53,7 +53,7 @@ std::optional<int> whole_delay(const Velocities& v) {
   const double size = q.norm();
   double peak = 0.0;
   int best = 0;
-  double squares = recorded.head(core).squaredNorm();  // of the rows that are compared
+  double squares = recorded.head(core).squaredNorm();  // sum of squares over the compared rows
   for (int lag = -longest; lag <= longest; ++lag) {
     const int first = longest + lag;
     const double correlation = std::abs(q.dot(recorded.segment(first, core))) /
@@ -69,9 +69,9 @@ std::optional<int> whole_delay(const Velocities& v) {
 
 }  // namespace
 
-// [s] by which dq lags the derivative v of q, if significant. Beyond whole rows,
-//   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt,
-// by least squares, twice, the second time without rows that are far off.
+// Delay of dq behind the derivative v of q [s], if significant. The part beyond whole rows follows from
+//   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt
+// by least squares, twice, the second time without outliers.
 std::optional<double> velocity_delay(const Head& head, int joint) {
   constexpr int kReach = 2;  // rows to either side of a derivative
   const Velocities v = smoothed_velocities(head, joint);

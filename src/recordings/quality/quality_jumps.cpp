@@ -22,8 +22,8 @@ JumpTally::JumpTally(const Head& head)
   }
 }
 
-// Compares the step into row k with its neighbours, except that into k + 1: after a single wrong
-// value the position jumps back.
+// Compares the step into row k with its neighbours but the step into k + 1, because the position jumps back
+// after a single wrong value.
 bool JumpTally::is_jump(const Recording& rows, int k, int joint) const {
   const auto step = [&](int row) { return std::abs(rows.q(row, joint) - rows.q(row - 1, joint)); };
   double around = std::max({step(k - 2), step(k - 1), step(k + 2), step(k + 3)});

@@ -24,7 +24,7 @@ std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint)
   return sizes;
 }
 
-// True for two columns of the same numbers, which change.
+// True if two columns have the same numbers, which change.
 bool are_equal(const MatrixXd& one, int i, const MatrixXd& other, int j) {
   double changes = 0.0;
   for (Eigen::Index k = 0; k < one.rows(); ++k) {
@@ -35,7 +35,7 @@ bool are_equal(const MatrixXd& one, int i, const MatrixXd& other, int j) {
   return 2.0 * changes > static_cast<double>(one.rows());
 }
 
-// The filter and the motion settle at either end, and the rest has to move the arm enough.
+// Checks that the motion is sufficient after the filter's transients at either end are cut.
 void check_duration(const Head& head, Findings* findings) {
   const PreprocessingOptions usual;
   const double cut = usual.drop_start + usual.drop_end;
@@ -46,7 +46,7 @@ void check_duration(const Head& head, Findings* findings) {
                      number(usual.drop_end), " s at the end (--drop-start and --drop-end change that): ", number(kEnoughSeconds), " s and more are needed."));
 }
 
-// A clock of whole seconds and more between rows of one motion counts in another unit.
+// Checks the unit of time: steps of a second and more within one motion mean another unit.
 bool check_clock(const Head& head, Findings* findings) {
   if (head.step < kSlowClock) return false;
   double onward = 0.0;

@@ -83,7 +83,7 @@ void ClipTally::close_run(double after, Extreme* extreme) const {
 }
 
 void ClipTally::add_value(double value, double before, double time, Extreme* extreme) const {
-  const double next = 1.0 + 1.0 / numbers.step_share;  // tolerances between the limit and the end of the next value
+  const double next = 1.0 + 1.0 / numbers.step_share;  // distance from the limit to the end of the next value, in tolerances
   if (value > extreme->limit + extreme->tolerance) {
     const Place place = extreme->place;
     const long below = value < extreme->limit + next * extreme->tolerance ? extreme->rows : 0;
@@ -119,7 +119,8 @@ void ClipTally::add(const Piece& piece) {
   rows_ += piece.rows.rows() - piece.fresh;
 }
 
-// The top of a wave, a parabola, stays in its highest step at most sqrt(2) + 1 times as long as in the next.
+// True if a run at the extreme is too long for the top of a wave: a parabola stays in its highest step at
+// most sqrt(2) + 1 times as long as in the next.
 bool ClipTally::is_limit(const Extreme& one, const Extreme& opposite) const {
   const bool symmetric = one.limit > one.tolerance && std::abs(one.limit - opposite.limit) <= one.tolerance &&
                          std::min(one.longest, opposite.longest) >= numbers.shortest_plateau;
@@ -150,7 +151,7 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
       if (!head.moves[j]) continue;
       for (const double sign : {1.0, -1.0}) {
         VectorXd values = sign * load.values->col(j);
-        // A missing value is the one before it: a gap is no edge.
+        // A missing value is replaced by the previous one, so that a gap is no edge.
         for (Eigen::Index k = 0; k < values.size(); ++k) {
           if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
         }

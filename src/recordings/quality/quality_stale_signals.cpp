@@ -8,8 +8,8 @@
 namespace veridyn::quality {
 namespace {
 
-// Number of repeats of a signal's value, among rows where the signal
-// changes by so many resolution steps that equal values are no coincidence.
+// Number of repeats of a signal's value, among rows in which the signal changes by so many steps of its
+// resolution that equal values are no coincidence.
 struct Repeats {
   long rows = 0;
   long count = 0;
@@ -17,7 +17,7 @@ struct Repeats {
 
 Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
   double resolution = resolution_of(values, joint);
-  // A velocity that was made of a coarse position goes in its steps.
+  // A velocity that was derived from a coarse position has its steps.
   if (&values == &head.rows.dq && head.step > 0.0) resolution = std::max(resolution, 0.5 * resolution_of(head.rows.q, joint) / head.step);
   Repeats repeats;
   for (int k = 2; k + 1 < values.rows(); ++k) {

@@ -202,7 +202,8 @@ void RowTally::conclude_gaps(Findings* findings) const {
   }
 }
 
-// Constant positions and velocities belong to joint_at_rest, unless they are all zero.
+// Reports constant signals. Constant positions and velocities are part of joint_at_rest, unless all of them
+// are zero.
 void RowTally::conclude_constant(Findings* findings) const {
   for (const RecordingSignal& signal : kRecordingSignals) {
     long all = 0;

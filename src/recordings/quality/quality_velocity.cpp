@@ -11,13 +11,13 @@ namespace {
 // dq = factor * d/dt q, over windows of 0.1 s.
 struct VelocityFit {
   double factor = 1.0;
-  double spread = 0.0;  // half the interquartile range of the ratio, window by window
-  bool clear = false;   // enough windows with motion, which agree
-  bool zero = false;    // enough windows with motion, in which dq is zero
-  double correlation = 1.0;  // of dq and the derivative of q, over the windows with motion
+  double spread = 0.0;  // half the interquartile range of the ratios of the windows
+  bool clear = false;   // there are enough windows with motion, and their ratios agree
+  bool zero = false;    // there are enough windows with motion, and dq is zero in them
+  double correlation = 1.0;  // correlation of dq and the derivative of q over the windows with motion
 };
 
-// The velocity column of a joint `recorded` beside the position of a joint.
+// Fit of the velocity column `recorded` to the position of a joint.
 VelocityFit velocity_fit(const Head& head, int joint, int recorded) {
   const Recording& rows = head.rows;
   const int window = window_rows(head);
@@ -67,7 +67,7 @@ VelocityFit velocity_fit(const Head& head, int joint, int recorded) {
   return fit;
 }
 
-// True if there is a delay to report.
+// Reports a delay of the velocity; true if there is one.
 bool check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
   if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return false;
@@ -79,7 +79,7 @@ bool check_delay(const Head& head, int joint, Findings* findings) {
   return true;
 }
 
-// Quantisation of dq from its steps between rows, without stale rows and the rows after them.
+// Reports quantisation of dq, by its steps between rows; stale rows and the rows after them are excluded.
 void check_quantised(const Head& head, int joint, const VelocityFit& fit, double range, Findings* findings) {
   const auto dq = head.rows.dq.col(joint);
   std::vector<double> steps;
@@ -104,7 +104,7 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, double
                      biased ? ": take it from the position instead." : ", but right on average."));
 }
 
-// Noise from second differences, which are small for smooth motion, of the velocity and of the
+// Reports noise by second differences, which are small for smooth motion, of the velocity and of the
 // position's derivative. Windows with stale rows are excluded.
 void check_noise(const Head& head, int joint, double range, Findings* findings) {
   constexpr int kReach = 2;  // rows to either side that affect a second difference of a derivative
@@ -161,8 +161,8 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* fi
   }
 }
 
-// A position whose steps continue from row to row is that of a motion. The noise of a resting joint
-// changes its sign, and poses at rest do not follow each other within a window.
+// True if a position changes in one direction from row to row. The noise of a resting joint changes its sign,
+// and poses at rest do not follow each other within a window.
 bool is_steady_motion(const Head& head, int joint) {
   if (head.step >= numbers.window) return false;
   const auto q = head.rows.q.col(joint);
@@ -175,7 +175,8 @@ bool is_steady_motion(const Head& head, int joint) {
   return onward > 0.0;
 }
 
-// The same factor on all joints indicates the clock (or the unit), else single channels.
+// Reports factors of the velocities: the same factor on all joints indicates the clock (or the unit), others
+// single channels.
 void report_scales(const Head& head, const std::vector<int>& joints,
                    const std::vector<VelocityFit>& fits, Findings* findings) {
   double low = INFINITY;
@@ -188,7 +189,7 @@ void report_scales(const Head& head, const std::vector<int>& joints,
   }
   if (fits.empty()) return;
   const double common = quantile(factors, 0.5);
-  // A single joint indicates the clock only if it is far off.
+  // A single joint indicates a wrong clock only if its factor is far from one.
   const double threshold = fits.size() > 1 ? numbers.scale_error : numbers.clock_error;
   const bool clock =
       common > 0.0 && high - low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
@@ -234,7 +235,7 @@ void check_velocities(const Head& head, Findings* findings) {
     if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
     joints.push_back(j);
     fits.push_back(fit);
-    // A delay makes the factor smaller: the cosine of its phase at the frequency of the motion.
+    // A delay reduces the factor, by the cosine of its phase at the frequency of the motion.
     if (check_delay(head, j, findings) && fit.factor < 1.0 && fit.factor > 1.0 - numbers.clock_error) {
       joints.pop_back();
       fits.pop_back();

@@ -31,7 +31,7 @@ Recording joined(const Recording& before, const Recording& next) {
   return both;
 }
 
-// A torque that is refreshed slowly holds its extreme, too.
+// Excludes saturation that is an effect of a slowly refreshed torque, which holds its extreme as well.
 void exclude_held_values(RecordingQuality& quality) {
   const auto is_held = [&quality](const std::string& signal, int joint) {
     return std::any_of(quality.findings.begin(), quality.findings.end(),
@@ -45,7 +45,7 @@ void exclude_held_values(RecordingQuality& quality) {
   quality.findings.erase(end, quality.findings.end());
 }
 
-// Runs all tallies over all rows, of which the first have been read.
+// Runs all tallies over all rows. The first rows have been read already.
 RecordingQuality checked_quality(Recording head_rows, const std::string& file, const Source& source) {
   require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
   RecordingQuality quality;
@@ -104,7 +104,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
   }
   quality.findings = std::move(findings).sorted();
   exclude_held_values(quality);
-  if (quality.find("time_unit") != nullptr) {  // one cause, one line
+  if (quality.find("time_unit") != nullptr) {  // both findings would have the same cause
     const auto same = [](const QualityFinding& f) { return f.finding == "rate_contradiction" || f.finding == "sample_rate"; };
     quality.findings.erase(std::remove_if(quality.findings.begin(), quality.findings.end(), same), quality.findings.end());
   }

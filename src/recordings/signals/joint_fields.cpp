@@ -29,7 +29,7 @@ const std::map<std::string, int>& signal_words() {
   return kWords;
 }
 
-// True for words of signals that are not measured, or not of a joint.
+// True for words of signals that are not measured, or do not belong to a joint.
 bool is_foreign(const std::string& word) {
   static const std::set<std::string> kForeign = {
       "target", "desired", "des",   "d",      "cmd",      "command", "commanded", "ref",
@@ -39,7 +39,7 @@ bool is_foreign(const std::string& word) {
   return kForeign.count(word) > 0;
 }
 
-// True for words without information: `actual q 0` is `q 0`.
+// True for words without information: `actual q 0` means `q 0`.
 bool is_filler(const std::string& word) {
   static const std::set<std::string> kFiller = {"actual", "measured", "meas", "motor", "field",
                                                 "state",  "actuator", "real", "msr",   "joints"};
@@ -58,7 +58,7 @@ bool is_digits(const std::string& word) {
   });
 }
 
-// A part of a name and its position in it.
+// A word of a name, and its position.
 struct Word {
   std::string text;
   std::size_t begin = 0, end = 0;
@@ -102,7 +102,7 @@ std::string without_unit(const std::string& name) {
 
 struct Found {
   int signal = -1;
-  std::size_t first = 0, last = 0;  // words of the signal
+  std::size_t first = 0, last = 0;  // first and last word of the signal
 };
 
 // The signal at word k, with all words that belong to it: `tau J`, `q dot`, `joint position`.

@@ -6,8 +6,8 @@
 
 namespace veridyn::recordings {
 
-/// [ns] 95 years on either side of a clock's zero. Times of a RawRecording lie within it, so that
-/// sums and differences of three of them do not overflow; larger ones are damaged data.
+/// [ns] 95 years on either side of a clock's zero. Times of a RawRecording are within this bound, so that
+/// sums and differences of three of them do not overflow; larger times come from damaged data.
 inline constexpr std::int64_t kLargestTime = 3000000000000000000;
 
 /// A column of numbers, with its signal and joint if known.
@@ -19,11 +19,11 @@ struct RawField {
 
 /// Rows of one publisher that all have the same columns.
 struct RawStream {
-  std::string topic;      ///< empty: the only table of a file
-  std::string publisher;  ///< empty: not kept
+  std::string topic;      ///< empty: the file has only one table
+  std::string publisher;  ///< empty: not stored
   std::vector<RawField> fields;
   std::vector<std::int64_t> recorded;  ///< [ns] time at which each row was recorded
-  std::vector<std::int64_t> stamped;   ///< [ns] the sender's clock, 0: none; empty: no such clock
+  std::vector<std::int64_t> stamped;   ///< [ns] the sender's clock, 0: no stamp; empty: no such clock
   std::vector<double> values;          ///< row by row
 
   std::size_t rows() const { return recorded.size(); }
@@ -36,7 +36,7 @@ struct RawTopic {
   long messages = 0;
   std::int64_t first = 0;  ///< [ns] recorded
   std::int64_t last = 0;
-  std::string undecoded;  ///< reason for not decoding its messages; empty: decoded, or not needed
+  std::string undecoded;  ///< reason if its messages are not decoded; empty: decoded, or not needed
 };
 
 /// Contents of a file before the arm's signals are selected.

@@ -12,9 +12,9 @@ namespace veridyn::recordings {
 namespace {
 
 const double kPi = std::acos(-1.0);
-/// bit 10 of a load register is its direction.
+/// bit of a load register that holds the direction
 constexpr long kDirection = 1024;
-/// Shares by name, and how many of them are the whole.
+/// Units of shares, with the number that corresponds to the whole.
 constexpr std::pair<const char*, double> kShares[] = {{"%", 100.0}, {"permille", 1000.0}, {"share", 1.0}};
 
 bool is_share(const std::string& unit) {

@@ -7,11 +7,12 @@
 
 namespace veridyn::recordings {
 
-/// From numbers in a unit to SI: factor * (number - zero).
+/// Conversion of numbers to SI: factor * (number - zero).
 struct UnitScale {
   double factor = 1.0;
   double zero = 0.0;
-  /// Bit 10 of a whole number is its direction, its lower bits are the size, as in the load registers of hobby servos.
+  /// Bit 10 of a whole number is the direction and its lower bits are the size, as in the load registers of
+  /// hobby servos.
   bool direction_bit = false;
 
   double operator()(double number) const;
@@ -21,19 +22,20 @@ struct UnitScale {
 /// Scale of a unit of a signal ("q", "dq", "ddq", "tau", "i", "t"), or nullopt for an unknown unit:
 ///
 ///   deg, mNm, ...      see the table; a leading - reverses the sign
-///   0.01               this factor to SI, as of a gear
-///   4096/rev, @2048    counts of an encoder; the count at zero, 0 without it; rad@1.57 is another zero, too
-///   %                  share of the range, -100 to 100 (q, dq), or of the largest effort (tau); also permille, share (of one)
-///   load               a load register: direction bit 10, 1023 is the largest effort (tau)
+///   0.01               factor to SI, for example of a gear
+///   4096/rev, @2048    counts of an encoder; the count at zero (default 0); also with other units: rad@1.57
+///   %                  share of the range, -100 to 100 (q, dq), or of the largest effort (tau); also permille
+///                      and share (of one)
+///   load               a load register: direction in bit 10, 1023 is the largest effort (tau)
 ///
 /// `tau` in A has the factor of a current.
-/// @param joint  with the limits that shares need; null: its limits are taken as finite.
+/// @param joint  has the limits to which shares refer; null: the limits are assumed to be finite.
 std::optional<UnitScale> unit_scale(const std::string& signal, const std::string& unit, const WantedJoint* joint = nullptr);
 
 /// The factor alone.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
 
-/// Unit of times that step so far, where they are no seconds: "ms", "us" or "ns".
+/// Unit of times with such steps, if it is not the second: "ms", "us" or "ns".
 const char* unit_of_clock(double step);
 
 /// True for a unit of current.

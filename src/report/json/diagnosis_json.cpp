@@ -37,7 +37,7 @@ Json cause_json(const Diagnosis& d, const Cause& cause) {
   return {{"effect", w.effect}, {"joint", w.joint}};
 }
 
-// Adds its place in all other terms.
+// Adds the place of a cause in all other terms: coordinate, frame, constant, text form.
 void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
   if (!d.baseline.model) return;
   const CauseWords w = words_of(*d.baseline.model, cause);

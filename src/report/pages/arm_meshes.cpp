@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kTrianglesOfArm = 9000;  // all bodies together: 150 kB of a page, and a picture without jerks in software
+constexpr int kTrianglesOfArm = 9000;  // all bodies together: 150 kB of a page, and a picture that software can rotate smoothly
 constexpr int kFinestGrid = 64;        // cells along a body's longest edge
 constexpr int kRoundSides = 24;        // of cylinders and spheres
 
@@ -66,7 +66,7 @@ Triangles surface_of(const LinkShape& shape) {
   return of_rings(rings);
 }
 
-// Points of one cell of a grid become one; triangles that lose a corner by it are dropped.
+// Merges the points in each cell of a grid; triangles that lose a corner are dropped.
 Triangles on_coarse_grid(const Triangles& fine, double cell) {
   Triangles out;
   std::map<std::array<long, 3>, int> known;
@@ -123,7 +123,7 @@ Json meshes_json(const Model& arm) {
     read = urdf_shapes(file.string(), UrdfShapes::kVisual);
     if (read.shapes.empty()) read = urdf_shapes(file.string(), UrdfShapes::kCollision);
   } catch (const InvalidInput&) {
-    return out;  // the file has changed since; a page is drawn with rods then
+    return out;  // the file has changed since; the page shows rods instead
   }
   if (read.shapes.empty()) return out;
   const int most = kTrianglesOfArm / static_cast<int>(read.shapes.size());

@@ -122,7 +122,7 @@ Json change_json(const DatedModel& before, const DatedModel& after) {
   return out;
 }
 
-Json project(const std::string& folder, const std::string& output) {
+Json project_result(const std::string& folder, const std::string& output) {
   require(fs::is_directory(folder), folder, ": found no such folder, expected one with results.");
   Json result = json_head("page");
   for (const char* list : {"models", "pages", "recordings", "changes", "unreadable"})
@@ -192,11 +192,11 @@ Json project(const std::string& folder, const std::string& output) {
 
 std::string project_page(const std::string& folder, const std::string& output,
                          const std::string& command) {
-  return html_page(folder + ": what stands in it", json_text(project(folder, output)), series_of(command), "");
+  return html_page(folder + ": what stands in it", json_text(project_result(folder, output)), series_of(command), "");
 }
 
 std::string project_json(const std::string& folder, const std::string& output) {
-  return json_text(project(folder, output));
+  return json_text(project_result(folder, output));
 }
 
 }  // namespace veridyn

@@ -104,7 +104,7 @@ std::string where(const Model& arm, const VectorXd& q) {
 }
 
 // Eigenvalues after scaling by the joints' own sizes, so that light and heavy joints count alike.
-double smallest_share(const MatrixXd& M, const VectorXd& size) {
+double smallest_scaled_share(const MatrixXd& M, const VectorXd& size) {
   const MatrixXd scaled = size.cwiseInverse().asDiagonal() * M * size.cwiseInverse().asDiagonal();
   if (!scaled.allFinite()) return -1.0;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled, Eigen::EigenvaluesOnly);
@@ -153,7 +153,7 @@ std::string infeasibility(const Model& arm) {
     rigid.mass_matrix(q, M);
     M += forces.inertia();
     const VectorXd size = M.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt();
-    return M.diagonal().minCoeff() > 0.0 ? smallest_share(M, size) : -1.0;
+    return M.diagonal().minCoeff() > 0.0 ? smallest_scaled_share(M, size) : -1.0;
   });
   if (mass.worth <= kTiny) {
     return fmt::format("the mass matrix of '{}' is not positive definite at {}.", arm.name(),

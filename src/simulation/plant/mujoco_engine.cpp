@@ -277,8 +277,8 @@ class MujocoEngine final : public Engine {
         h);
   }
 
-  // Friction near rest is stiff, the rigid bodies are not: their terms are frozen at the middle of
-  // the step, while the effects are integrated in small steps.
+  // Friction near rest is stiff, while the rigid bodies are not: their terms are kept constant at the middle
+  // of the step, and the effects are integrated in small steps.
   StepStatus fine_steps(const VectorRef& tau, double h) noexcept {
     q_trial_ = q_ + 0.5 * h * dq_;
     dq_trial_ = dq_ + 0.5 * h * ddq_;

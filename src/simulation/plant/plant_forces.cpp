@@ -228,7 +228,7 @@ double PlantForces::friction_power(const VectorXd& q, int i, double speed) const
 Interval PlantForces::at_rest(int k, double time, const double* q) const {
   const double upper = sliding(k, time, q, 0.0, 1);
   const double lower = sliding(k, time, q, 0.0, -1);
-  // A level below zero (a polynomial outside its range) cannot hold.
+  // A negative level (a polynomial outside of its range) cannot hold an axis.
   if (lower > upper) return {0.5 * (lower + upper), 0.5 * (lower + upper)};
   return {lower, upper};
 }

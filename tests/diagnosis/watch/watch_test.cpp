@@ -291,7 +291,7 @@ TEST(Watch, ReportsUnusableIntervals) {
 }
 
 // Gaps, numbers that are none and repeated rows are passed over; a pause joins nothing.
-TEST(Watch, SurvivesBadRows) {
+TEST(Watch, BadRowsRaiseNoAlarmAndAPauseIsReported) {
   Recording r = recorded({}, 20.0, 5);
   r.tau.row(1000).setConstant(std::numeric_limits<double>::quiet_NaN());
   r.q(1500, 1) = std::numeric_limits<double>::infinity();

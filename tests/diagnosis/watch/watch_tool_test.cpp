@@ -137,7 +137,7 @@ TEST(WatchTool, AModelOfAnotherArmIsReportedAsDoubtful) {
 }
 
 // Seconds are those of the rows, whatever their clock does, and what is not watched is no more than it takes to know.
-TEST(WatchTool, ASetBackClockLosesNoTime) {
+TEST(WatchTool, ASetBackClockCountsNoTimeTwiceAndSkipsNone) {
   TemporaryFolder folder;
   std::istringstream whole(planar_recording(12.0));
   std::string rows, line;

@@ -68,7 +68,7 @@ TEST_P(OnEverySampleBag, AllRowsHaveTheirTrueValues) {
   EXPECT_EQ(!facts.remarks.empty(), GetParam().cut);
 }
 
-TEST_P(OnEverySampleBag, JointsComeInTheOrderThatIsAskedFor) {
+TEST_P(OnEverySampleBag, JointsHaveTheRequestedOrder) {
   RecordingOptions options;
   options.signals.joints = {{"shoulder_pan", false}, {"elbow", false}};
   RecordingReader reader(sample(GetParam().file), options);

@@ -5,13 +5,13 @@
 
 namespace veridyn {
 
-/// The limits of one joint [rad], [m]; infinite where there is none.
+/// The limits of one joint [rad], [m]; infinite if there is none.
 struct PositionRange {
   double lower = 0.0, upper = 0.0;
 };
 
-/// The test of position limits for planned motions and for moving arms: true if the joint is beyond
-/// a limit, or too fast to stop before it. Braking with ddq = -braking dq stops within
+/// The test of position limits for planned motions and for moving arms: true if the joint is beyond a limit,
+/// or too fast to stop before it. Braking with ddq = -braking dq stops within
 ///
 ///   dq / braking
 ///

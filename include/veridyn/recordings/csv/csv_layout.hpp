@@ -31,11 +31,11 @@ std::vector<std::string> csv_fields(std::string_view line, char separator);
 /// The separator of a line: comma, semicolon, tab, or else blanks (' ').
 char csv_separator(std::string_view line);
 
-/// True if a field says in words that its value is missing, as "n/a" or "null".
+/// True if a field contains a word for a missing value, such as "n/a" or "null".
 bool is_missing_value(std::string field);
 
-/// Parses the number of a field, with a decimal comma unless the comma separates; NaN for an empty field or a missing
-/// value in words. False for other text.
+/// Parses the number of a field, with a decimal comma unless the comma is the separator; NaN for an empty
+/// field or a word for a missing value. False for other text.
 bool csv_number(std::string field, char separator, double* value);
 
 /// True if each field of the line is a number or a gap.

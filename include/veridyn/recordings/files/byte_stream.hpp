@@ -9,14 +9,14 @@
 
 namespace veridyn {
 
-/// The bytes of a file that is opened once and read in pieces. Consumed bytes can be returned, so
-/// that looking at the first bytes and at the header does not open the file again. Cost: memory for
-/// the unread part or 1 MiB, whichever is more.
+/// The bytes of a file that is opened once and read in pieces. Consumed bytes can be returned, so that the
+/// first bytes and the header can be examined without opening the file again. Cost: memory for the unread
+/// part or 1 MiB, whichever is more.
 class ByteStream {
  public:
   /// @throws InvalidInput  the file is missing, cannot be opened, or is a folder.
-  /// @param wait  called at the present end of a file that may still grow: true to look again;
-  /// false ends the recording.
+  /// @param wait  called at the present end of a file that may still grow: true to try again; false ends the
+  /// recording.
   explicit ByteStream(const std::string& path, std::function<bool()> wait = {});
 
   /// Reads more data. False at the end of the file or on an error.

@@ -36,7 +36,7 @@ struct LinkOfBundle {
   int first, second, body;  // hinges of the bundle; the body that carries both
 };
 
-// Hinges that follow each other on one body: along the tree, then around every loop.
+// Pairs of successive hinges on one body: along the tree, then around every loop.
 std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
   std::vector<LinkOfBundle> out;
   const auto add = [&](int first, int second, int body) {
@@ -55,7 +55,7 @@ std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
     if (!bundle.closes_loop(j)) continue;
     const std::vector<int> a = bundle.path(bundle.hinge(j).a);
     const std::vector<int> b = bundle.path(bundle.hinge(j).b);
-    std::size_t common = 0;  // hinges above both bodies
+    std::size_t common = 0;  // number of hinges above both bodies
     while (common < std::min(a.size(), b.size()) && a[common] == b[common]) ++common;
     const bool from_a = a.size() > common;
     const bool from_b = b.size() > common;
@@ -68,7 +68,7 @@ std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
   return out;
 }
 
-// The results of one chain, axes in the order of its hinges.
+// Appends the results of one chain, with the axes in the order of its hinges.
 void append(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, AxesCalibration& out) {
   const int first = static_cast<int>(out.axes.size());
   const HingeTree& tree = bundle.tree();

@@ -14,10 +14,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kStep = 1e-6;                // [rad], [m] of the differences
-constexpr double kSamePlace = 0.5 * kDegree;  // within which the joints above count as resting
-constexpr double kSweepShare = 0.5;  // share of a joint's range that it must cover while they rest
+constexpr double kSamePlace = 0.5 * kDegree;  // range within which the joints above count as resting
+constexpr double kSweepShare = 0.5;  // share of a joint's range that it must cover during that rest
 constexpr std::size_t kFewestAtRest = 10;
-constexpr double kParallel = 0.2 * kDegree;   // closer than this, axes have no common normal
+constexpr double kParallel = 0.2 * kDegree;   // axes with a smaller angle have no common normal
 constexpr double kSharePlane = 10.0 * kDegree;
 
 // Frames at which all joints above rest at one position while this one sweeps; empty: there are

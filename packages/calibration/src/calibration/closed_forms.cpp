@@ -14,10 +14,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kSmallAngle = 1e-6;  // [rad] below it the second-order series is exact
+constexpr double kSmallAngle = 1e-6;  // [rad] smallest angle for which the second-order series is not used
 
-// Root mean square without the largest twentieth, so that a few wrong poses do not decide whether
-// it is a hinge.
+// Root mean square without the largest twentieth, so that a few wrong poses do not decide whether the pair is
+// a hinge.
 double trimmed_rms(std::vector<double> squares) {
   std::sort(squares.begin(), squares.end());
   const std::size_t kept = std::max<std::size_t>(1, squares.size() - squares.size() / 20);
@@ -123,7 +123,7 @@ CommonAxis common_axis(const Isometries& T_a_b) {
   Vector3d mean_p = Vector3d::Zero();
   for (const Isometry3d& T : T_a_b) mean_p += T.translation();
   mean_p /= static_cast<double>(T_a_b.size());
-  // The point that moves least, determined across the axis only: R c + p is the same for all.
+  // The point with the least motion, determined across the axis only: R c + p is the same in all poses.
   const Eigen::Matrix<double, 3, 2> across = spread.axes.rightCols<2>();
   Eigen::Matrix2d N = Eigen::Matrix2d::Zero();
   Eigen::Vector2d g = Eigen::Vector2d::Zero();

@@ -9,8 +9,8 @@
 namespace veridyn::internal {
 namespace {
 
-// [m], [rad]: what is left over by less is no contradiction, however little the poses vary: a body whose
-// origin is the remote centre hardly moves.
+// [m], [rad] residual that is never a contradiction, however little the poses vary: a body with its origin at
+// the remote centre hardly moves.
 constexpr double kCloseFit = 0.005;
 constexpr double kCloseTurn = 2.0 * kDegree;
 

@@ -8,14 +8,14 @@ namespace veridyn::internal {
 
 /// Residuals of a fit over its own poses.
 struct LeftOver {
-  int outliers = 0;    ///< poses that it does not describe
-  double rms = 0.0;    ///< [m] of positions, without those
-  double angle = 0.0;  ///< [rad] likewise of orientations; 0 where they do not count
+  int outliers = 0;    ///< poses that the fit does not describe
+  double rms = 0.0;    ///< [m] of positions, without outliers
+  double angle = 0.0;  ///< [rad] the same for orientations; 0 if they are not used
 };
 
-/// Reason why the poses contradict the relation that was fitted, or empty. They do where more than half
-/// of them are outliers, or where more than half of what they vary by is left over: rows that do not
-/// belong together, another frame, or a body that does something else.
+/// Reason for which the poses contradict the fitted relation, or empty: more than half of them are outliers,
+/// or more than half of their variation is residual. Causes are rows that do not correspond, another frame,
+/// or a body that moves in another way.
 std::string contradiction(const Isometries& poses, const LeftOver& left);
 
 }  // namespace veridyn::internal

@@ -17,8 +17,8 @@ double robust_deviation(std::vector<double> values);
 /// The same of 3-vectors from their lengths: the deviation of one component.
 double robust_deviation_of_lengths(std::vector<double> lengths);
 
-/// The distance that an error of this covariance exceeds in 5 of 100 cases: the norm of a normal
-/// vector, by a scaled chi-square with the same mean and variance (Satterthwaite, 1946).
+/// The distance that an error with this covariance exceeds in 5 of 100 cases: the norm of a normal vector, by
+/// a scaled chi-square distribution with the same mean and variance (Satterthwaite, 1946).
 /// @param degrees_of_freedom  of the estimated scale of the covariance.
 double error_radius(const MatrixRef& covariance, double degrees_of_freedom);
 

@@ -15,9 +15,9 @@ namespace {
 
 using internal::PairFit;
 
-constexpr double kAsGood = 1.5;       // a form fits if its noise is at most this times the smallest
+constexpr double kAsGood = 1.5;       // largest noise of a form that fits, relative to the smallest
 constexpr double kSixDigits = 2e-6;    // [m], [rad] rounding of files with six digits
-// [m] required fit of a form that cannot be compared with another.
+// [m] largest noise of a form that has no other form to compare with
 constexpr double kCloseFit = 0.005;
 constexpr double kCloseTurn = 2.0 * kDegree;
 // Orientations with a larger difference do not correspond.
@@ -62,7 +62,7 @@ int first_good_form(const std::vector<PairFit>& fits) {
   for (std::size_t k = 0; k + 1 < fits.size(); ++k) {
     if (fits_as(fits[k])) return static_cast<int>(k);
   }
-  // No form has nearly the best positions and orientations: takes the most general one.
+  // No form is close to the best in both positions and orientations: takes the most general one.
   return fits[3].reason.empty() ? 3 : -1;
 }
 

@@ -10,12 +10,14 @@ namespace veridyn::internal {
 
 /// All markers, axes and angles of one tree of hinges, as one least-squares problem.
 ///
-/// The reference is the configuration at one frame, whose angles are zero: a marker that is at x
-/// there is at frame k at
+/// The reference is the configuration at one frame, where all angles are zero. A marker at position x there
+/// is at frame k at
 ///
 ///   G_k exp(xi_1 theta_1k) ... exp(xi_d theta_dk) x
 ///
-/// with the hinges from the root to its body; G_k moves the root, or is the identity where that
+/// with the hinges from the root to its body. G_k moves the root, or is the identity if the root rests. A
+/// hinge that closes a loop has its own line, which at every frame has to be the same through either of its
+/// bodies, within its play.
 /// rests. A hinge that closes a loop has a line of its own, which at every frame is the same one
 /// through either of its bodies, within its play.
 class HingeBundle {
@@ -23,7 +25,7 @@ class HingeBundle {
   HingeBundle(const MarkerCapture& capture, const std::vector<RigidBody>& bodies,
               const HingeTree& tree, const AxesOptions& options);
 
-  /// True if enough frames show the markers; else reason() says what is missing.
+  /// True if enough frames show the markers; else reason() states what is missing.
   bool ready() const { return reason_.empty(); }
   const std::string& reason() const { return reason_; }
 
@@ -34,8 +36,8 @@ class HingeBundle {
   int hinges() const { return static_cast<int>(tree_.hinges.size() + tree_.closing.size()); }
   const Hinge& hinge(int hinge) const;
   bool closes_loop(int hinge) const { return hinge >= static_cast<int>(tree_.hinges.size()); }
-  /// [m] of a hinge that closes a loop: rms by which the loop misses itself beyond the noise; zero
-  /// where the noise explains all of it.
+  /// [m] of a hinge that closes a loop: rms gap of the loop beyond the noise; zero if the noise explains all
+  /// of it.
   double play(int hinge) const;
   int frames() const { return static_cast<int>(frames_.size()); }
   int outliers() const { return outliers_; }
@@ -76,7 +78,7 @@ class HingeBundle {
   void reject_outliers();
   void finish();
   double closure_leverage(const Observation& o, int frame) const;
-  enum class Spread { kRobust, kMeanSquare };  // of a loop's misses; the first bears outliers
+  enum class Spread { kRobust, kMeanSquare };  // of a loop's gaps; the first one tolerates outliers
   bool estimate_play(Spread spread);
   void close_loops();
   int hinge_of(int body) const;

@@ -9,16 +9,16 @@
 namespace veridyn::internal {
 namespace {
 
-// Deviation of a hinge without play that closes a loop, in those of a marker's coordinate: 1 % of
-// the variance that one marker leaves at its own place, so that the loop is closed.
+// Deviation of a closing hinge without play, relative to that of a marker's coordinate: 1 % of the variance
+// of one marker, so that the loop is closed.
 constexpr double kRigid = 0.1;
-// A loop's misses over those that the noise explains, as a ratio of variances: beyond, it has play.
-// Over hundreds of frames the ratio of a hinge without play scatters by about a tenth.
+// Ratio of the variance of a loop's gaps to that explained by the noise, above which the loop has play. Over
+// hundreds of frames the ratio of a hinge without play scatters by about a tenth.
 constexpr double kPlays = 1.5;
 
 }  // namespace
 
-// At every frame but the reference, where the angles are zero and the two lines are one.
+// Adds closures at every frame except the reference, where the angles are zero and the two lines coincide.
 void HingeBundle::add_closures() {
   const std::size_t closing = tree_.closing.size();
   deviation_.assign(closing, noise_);
@@ -57,7 +57,7 @@ void HingeBundle::add_closures() {
   }
 }
 
-// Trace of the rows' part of the hat matrix: the number of unknowns that they determine.
+// Trace of these rows' part of the hat matrix: the number of unknowns that they determine.
 double HingeBundle::closure_leverage(const Observation& o, int frame) const {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   std::vector<const double*> x;
@@ -76,10 +76,9 @@ double HingeBundle::closure_leverage(const Observation& o, int frame) const {
   return information_->covariance(shared, {{frame_unknown_[frame], blocks.back()}}).trace();
 }
 
-// The play of every closing hinge, from how far the loop misses itself against what the noise of its
-// bodies explains. A row's residual e = gap d / (d^2 + v) has the redundancy d^2 / (d^2 + v), with
-// the deviation d of the closure and the variance v of the gap without it: e^2 over the redundancy
-// is gap^2 over d^2 + v.
+// Estimates the play of every closing hinge by comparing the gap of the loop with the noise of its bodies. A
+// row's residual e = gap d / (d^2 + v) has the redundancy d^2 / (d^2 + v), with the deviation d of the
+// closure and the variance v of the gap without it: e^2 over the redundancy is gap^2 over d^2 + v.
 bool HingeBundle::estimate_play(Spread spread) {
   bool changed = false;
   for (std::size_t c = 0; c < deviation_.size(); ++c) {

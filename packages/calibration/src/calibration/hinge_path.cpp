@@ -36,7 +36,7 @@ Vector3d turned(const Line& line, double angle, const Vector3d& point) {
 void HingePath::evaluate(const double* const* x, double noise, double* r, double* const* J) const {
   const int depth = static_cast<int>(hinges.size());
   const bool moves = !is_reference && (!root_rests || depth > 0);
-  const double* local = moves ? x[1 + depth] : nullptr;  // a body that rests has no unknowns of the frame
+  const double* local = moves ? x[1 + depth] : nullptr;  // a resting body has no unknowns of the frame
   const int first = root_rests ? 0 : 6;
   // From the marker to the root: points before and after each hinge.
   std::array<Line, kMostHinges> lines;
@@ -118,7 +118,7 @@ void HingeClosure::evaluate(const double* const* x, double deviation, double* r,
       const HingePath& path = first ? a : b;
       const double sign = first ? 1.0 : -1.0;
       const std::size_t hinges = path.hinges.size();
-      const std::size_t offset = first ? 1 : 1 + of_a;  // of its hinges among x
+      const std::size_t offset = first ? 1 : 1 + of_a;  // index of its hinges in x
       std::vector<const double*> at_path = {point.data()};
       std::vector<RowMajor> blocks = {RowMajor::Zero(3, 3)};
       for (std::size_t k = 0; k < hinges; ++k) {

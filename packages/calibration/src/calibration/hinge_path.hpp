@@ -29,15 +29,15 @@ struct HingePath {
   void evaluate(const double* const* x, double noise, double* r, double* const* J) const;
 };
 
-/// A hinge that closes a loop: seen through either of the two bodies that it joins, its line is the
-/// same. Hinges above both bodies move the two lines alike and stand in neither path.
+/// A hinge that closes a loop: its line has to be the same through either of the two bodies that it joins.
+/// Hinges above both bodies move the two lines together and are in neither path.
 struct HingeClosure {
   HingePath a, b;
   Line start;
   Eigen::Matrix<double, 3, 2> plane;
-  double half = 0.05;  ///< [m] the line is compared at two points, this far from its own
+  double half = 0.05;  ///< [m] distance of the two compared points of the line from its own point
 
-  /// (point seen through a - point seen through b) / deviation at both points: 6 rows.
+  /// (point through a - point through b) / deviation at both points: 6 rows.
   /// @param x  the line (4), the hinges of a and of b (4 each), the frame.
   void evaluate(const double* const* x, double deviation, double* r, double* const* J) const;
 };

@@ -15,14 +15,14 @@ namespace veridyn::internal {
 namespace {
 
 constexpr double kDeviations = 4.0;  // multiple of the noise that a hinge's residual may reach
-constexpr double kLooseTurn = 0.5 * kDegree; // beyond the noise: a real hinge has some play
+constexpr double kLooseTurn = 0.5 * kDegree; // in addition to the noise: a real hinge has some play
 constexpr double kLoosePlay = 0.001;         // [m] likewise
 constexpr double kStill = 4.0;  // standard deviations within which a body counts as resting
 
 struct Candidate {
   int a, b;
   CommonAxis axis;
-  std::string reason;  // reason for not being a hinge; empty: it is one
+  std::string reason;  // reason if the pair is no hinge; empty if it is
 };
 
 double orientation_noise(const RigidBody& body) {
@@ -164,16 +164,16 @@ HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder&
 
 struct ChosenHinges {
   std::vector<Candidate> edges;    // without a loop
-  std::vector<Candidate> closing;  // requested ones that close a loop
+  std::vector<Candidate> closing;  // requested hinges that close a loop
 };
 
 bool same_pair(const Candidate& c, const Candidate& d) {
   return (c.a == d.a && c.b == d.b) || (c.a == d.b && c.b == d.a);
 }
 
-// The requested hinges, or nearest neighbours in the file first, without a loop. A loop of hinges
-// that nobody requested need not be one: the far link of a parallelogram turns about a line of its
-// base that carries no hinge.
+// The requested hinges, or nearest neighbours in the file first, without loops. A loop is closed only on
+// request, since an axis found between its ends need not be a hinge: the far link of a parallelogram turns
+// about a line of its base that carries no hinge.
 ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& options,
                     std::vector<std::string>& cannot_tell) {
   ChosenHinges found;

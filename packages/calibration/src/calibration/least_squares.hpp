@@ -41,7 +41,7 @@ class LeastSquares {
   int add_unknown(const VectorXd& start, Scope scope = Scope::kShared);
   int add(Observation observation);
 
-  /// Levenberg-Marquardt; stops when the cost falls by less than 1e-12 of itself.
+  /// Levenberg-Marquardt; stops when the cost decreases by less than 1e-12 of itself.
   Minimum minimise(int threads = 1, int iterations = 60);
 
   const VectorXd& value(int unknown) const { return unknowns_[at(unknown)].x; }

@@ -15,7 +15,7 @@
 namespace veridyn::internal {
 namespace {
 
-constexpr double kFar = 6.0;           // standard deviations beyond which a distance does not fit
+constexpr double kFar = 6.0;           // standard deviations, beyond which a distance does not fit
 constexpr double kFewestNoise = 2e-6;  // [m] lower bound of the noise
 constexpr double kNarrow = 0.02;       // width per extent below which markers count as collinear
 constexpr std::size_t kMostPermuted = 5;
@@ -109,7 +109,7 @@ class BodyFit {
     if (m > 3) choose_hand();
   }
 
-  // Distances leave the mirror image undecided; the first frame decides.
+  // Distances do not distinguish a shape from its mirror image, which the first frame does.
   void choose_hand() {
     double error[2] = {0.0, 0.0};
     MatrixXd mirrored = body_.shape;
@@ -134,7 +134,7 @@ class BodyFit {
     return out;
   }
 
-  // Worst deviation of the distances among markers under a renaming, in standard deviations.
+  // Largest deviation of the distances after renaming the markers, in standard deviations.
   double name_misfit(const MatrixXd& seen, const std::vector<int>& names,
                 const std::vector<int>& which) const {
     double worst = 0.0;
@@ -177,7 +177,7 @@ class BodyFit {
     body_.seen[frame] = 1;
   }
 
-  // True if another order of the names fits the distances; the columns then have that order.
+  // True if another order of the names fits the distances; the columns are then reordered.
   bool restores_names(MatrixXd& seen, const std::vector<int>& which) {
     if (which.size() < 3 || which.size() > kMostPermuted) return false;
     std::vector<int> names = which;
@@ -196,7 +196,7 @@ class BodyFit {
     return true;
   }
 
-  // The largest set of markers with consistent distances; empty where a single pair is not
+  // The largest set of markers with consistent distances; empty if only one pair is consistent, which is not
   // sufficient.
   std::vector<int> consistent_markers(const MatrixXd& seen, std::vector<int> which) const {
     while (which.size() > 2 && name_misfit(seen, which, which) > kFar) {

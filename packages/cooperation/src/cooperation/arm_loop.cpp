@@ -17,14 +17,14 @@ ImpedanceOptions options(const VectorXd& posture) {
   return o;
 }
 
-// Largest torque of the observer [N m], [N]: the arm is known to within a tenth, so this never
-// binds.
+// Largest torque of the observer [N m], [N]: far above the error of a model that is known to a tenth, so that
+// it is no limitation.
 constexpr double kObserverLimit = 20.0;
 
 // A light virtual mass that yields to forces beyond a bound.
 constexpr double kYieldingMass = 0.5;     // [kg]
 constexpr double kYieldingDamping = 10.0;  // [N s/m]
-constexpr double kCalm = 0.8;              // of the bound
+constexpr double kCalm = 0.8;              // share of the bound
 constexpr double kRests = 0.005;           // [m/s]
 constexpr double kGoesAlong = 0.02;        // [m/s]
 
@@ -119,7 +119,7 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   Vector6d wrench = Vector6d::Zero();
   if (yields_to_forces() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
   Impedance& loop = acting();
-  if (yielding_) {  // The reference is the force within the bound: the excess moves the tip.
+  if (yielding_) {  // The reference is the force at the bound: the excess moves the tip.
     const double size = force.norm();
     wanted = TaskReference();
     wanted.ddx.head<3>() =

@@ -22,14 +22,14 @@ struct ArmLoopSetup {
   VectorXd start{};         ///< (n) joints, which is also the posture
 };
 
-/// Sensors and controller of one arm: encoders, velocities, and either a position loop of the tip
-/// or an impedance, with compensation of friction and an observer of what the model gets wrong.
-/// Nothing allocates after the constructor.
+/// Sensors and controller of one arm: encoders, velocities, and either a position loop of the tip or an
+/// impedance, with friction compensation and an observer of the model's error. Nothing allocates after the
+/// constructor.
 class ArmLoop {
  public:
   explicit ArmLoop(const ArmLoopSetup& setup);
 
-  /// Reads the encoders: true positions but for their steps.
+  /// Reads the encoders: true positions, rounded to encoder steps.
   void measure(const VectorXd& q) noexcept;
 
   const Eigen::Vector3d& position() const { return position_; }  ///< Position of the tip in the world
@@ -46,12 +46,11 @@ class ArmLoop {
   /// Switches to a position loop at the present position, plus TipTarget::relief.
   void freeze() noexcept;
 
-  /// While targets are held: keeps the arm's position while the force is within `bound` [N]; beyond
-  /// it the arm yields like a light damped mass, until the force has decreased and the tip rests,
-  /// and then holds the new position. Call it every cycle before torque(). @param force  as for
-  /// torque().
+  /// While targets are held: keeps the arm's position while the force is within `bound` [N]; beyond it the
+  /// arm yields like a light damped mass, until the force has decreased and the tip rests, and then holds the
+  /// new position. Call it every cycle before torque(). @param force  as for torque().
   void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
-  /// True while the arm yields: it is then not expected to stand still.
+  /// True while the arm yields: it is then not expected to rest.
   bool yields() const { return yielding_; }
   /// Torque of the observer of model errors, (n) [N m], [N].
   const VectorXd& extra_torque() const { return cycle_.error().torque(); }
@@ -71,7 +70,7 @@ class ArmLoop {
   Measured measured_;
   VectorXd rest_, joint_error_, wanted_dq_;
   bool frozen_ = false, yielding_ = false;
-  double bound_ = 0.0;  // [N] of the force while yielding
+  double bound_ = 0.0;  // [N] bound of the force while yielding
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};
   Eigen::Vector3d frozen_at_{Eigen::Vector3d::Zero()};
   Eigen::Vector3d relief_{Eigen::Vector3d::Zero()};  // last requested relief

@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-/// An arm that has come to the end of a joint's range stays there, without rebound.
+/// Stops a joint that has reached the end of its range, without rebound.
 void stop_at_ends(World& world, const Model& model, int arm);
 
 }  // namespace veridyn

@@ -204,7 +204,8 @@ void Experiment::read_sensors() {
   read_contacts(now);
 }
 
-// Walls push the tips; what the tips exert on them and on held bodies is known to the loops.
+// Computes the forces of walls on the tips, and gives the measured forces on walls and held bodies to the
+// loops.
 void Experiment::read_contacts(double now) {
   for (size_t k = 0; k < walls_.size(); ++k) {
     Contact& contact = wall_now_[k];
@@ -246,8 +247,8 @@ bool Experiment::step() {
   read_sensors();
   targets_ = control_->update(*input_);
   for (HeldObject& object : held_objects_) object.update(*control_, *input_, targets_);
-  // An impedance that is lighter than its arm needs the force: without a sensor all arms stand
-  // still. A target that its tip cannot follow comes to its own rest far from where the arm is.
+  // An impedance with less mass than its arm needs the force: without a sensor all arms hold their position.
+  // A target that its tip cannot follow comes to rest far from the arm.
   if (control_->sensor_failed() || control_->state() == CooperativeState::kTargetMissed) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }
@@ -268,7 +269,8 @@ bool Experiment::step() {
   return status_ == StepStatus::kOk;
 }
 
-// A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
+// True if a joint is outside of its range by the whole range, or an arm moves too fast: no arm follows any
+// more.
 bool Experiment::is_out_of_range() const {
   for (int k = 0; k < world_->arms(); ++k) {
     if (limp_[k] == 1) continue;  // a fault of the scenario

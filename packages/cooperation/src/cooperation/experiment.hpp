@@ -18,28 +18,28 @@ class Experiment {
   Experiment(const Scenario& scenario, const std::string& engine);
 
   void begin(const ScenarioPhase& phase);
-  /// False where the controller refuses it.
+  /// False if the controller refuses it.
   bool command(const ScenarioCommand& c);
   /// Advances by one control period. False if the engine failed.
   bool step();
-  /// Row k of the run, of the instant before the step.
+  /// Stores the instant before the step as row k of the run.
   void record(ScenarioRun& run, Eigen::Index k) const;
 
-  /// Ends all motion and holds what has been reached.
+  /// Ends all motion and holds the present position.
   void stop() { control_->stop(); }
 
   World& world() { return *world_; }
   /// Model of the true arm.
   const Model& real(int arm) const { return arms_[arm]; }
   int arms() const { return static_cast<int>(loops_.size()); }
-  /// True place of an arm's tip in the world [m].
+  /// True position of an arm's tip in the world [m].
   Eigen::Vector3d tip(int arm) const { return world_->point(tips_[arm]).position; }
-  /// Torques that acted on an arm last [N m], [N].
+  /// Last torques on an arm [N m], [N].
   const VectorXd& tau(int arm) const { return tau_[arm]; }
-  /// What the channels of a wall's sensor would read now without noise, see wall_channels() [N].
+  /// Present values of a wall's sensor channels without noise, see wall_channels() [N].
   Eigen::Vector3d wall_channels_now(int wall);
   const CooperativeController& controller() const { return *control_; }
-  /// What the controller last measured.
+  /// Last measurements of the controller.
   const CooperativeInput& measured_input() const { return *input_; }
   StepStatus status() const { return status_; }
   std::vector<std::string> left_out() const;
@@ -66,9 +66,9 @@ class Experiment {
   std::vector<Attachment> tips_;
   std::unique_ptr<World> world_;
   std::vector<ArmLoop> loops_;
-  std::vector<JointSensors> shown_, known_;  // as they are, as the controller knows them
+  std::vector<JointSensors> shown_, known_;  // true ones; those known to the controller
   std::vector<VectorXd> measured_;
-  std::vector<Eigen::Vector3d> starts_;  // of the tips, true, in the world [m]
+  std::vector<Eigen::Vector3d> starts_;  // initial true positions of the tips in the world [m]
   WorldObjects objects_;
   std::vector<ForceSensor> sensors_;
   std::vector<std::vector<ForceSensor>> wall_sensors_;  // by wall, by channel

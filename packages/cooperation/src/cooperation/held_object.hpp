@@ -9,19 +9,20 @@
 
 namespace veridyn {
 
-/// A body of a scenario that arms hold, optionally with an impedance of its own.
+/// A body of a scenario that arms hold, optionally with its own impedance.
 class HeldObject {
  public:
-  /// @param tips  [m] of all arms' tips at the start, as their controllers see them.
+  /// @param tips  [m] initial positions of all arms' tips, as their controllers measure them.
   HeldObject(const ScenarioBody& body, const std::vector<Eigen::Vector3d>& tips,
              const Eigen::Vector3d& gravity, double hand_stiffness);
 
-  /// The body as the World takes it. @param tips  true [m]. @param held_by  where arms hold.
+  /// The body in the form that World needs. @param tips  true [m]. @param held_by  points at which arms hold
+  /// it.
   static HeldBody in_world(const ScenarioBody& body, const std::vector<Eigen::Vector3d>& tips,
                            const std::vector<Attachment>& held_by);
 
-  /// Replaces the targets of the arms that hold the body by those of its impedance, where it has
-  /// one; the motion wanted of the body is that of the targets together.
+  /// If the body has an impedance, replaces the targets of the arms that hold it by those of the impedance;
+  /// the wanted motion of the body is the common motion of the targets.
   void update(const CooperativeController& motion, const CooperativeInput& input,
               std::vector<TipTarget>& targets) noexcept;
 

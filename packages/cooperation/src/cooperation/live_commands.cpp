@@ -72,7 +72,7 @@ ScenarioCommand command(ScenarioCommand::Kind kind) {
 
 constexpr std::size_t kLongestLine = 1024;
 
-// A line that is too long is no command, not even its beginning.
+// A line that is too long is not a command, and neither is its beginning.
 std::string too_long(const std::string& line) { return line.substr(0, 40) + " ..."; }
 
 class StandardInput final : public LineSource {
@@ -86,7 +86,7 @@ class StandardInput final : public LineSource {
         if (!std::exchange(skips_, false)) return true;
         continue;
       }
-      if (held_.size() > kLongestLine) {  // no command: its first bytes are refused, and no part of its rest is one
+      if (held_.size() > kLongestLine) {  // not a command: its first bytes are reported, and the rest is skipped
         line = too_long(held_);
         held_.clear();
         if (!std::exchange(skips_, true)) return true;
@@ -113,10 +113,10 @@ class StandardInput final : public LineSource {
  private:
   std::string held_;
   bool closed_ = false;
-  bool skips_ = false;  // the rest of a line that was refused
+  bool skips_ = false;  // skips the rest of a line that was refused
 };
 
-// The first sender has the line until the end of the run, which its silence is.
+// Lines from the first sender only, until the run ends, which its silence causes.
 class UdpLines final : public LineSource {
  public:
   explicit UdpLines(const std::string& place)

@@ -19,8 +19,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
-constexpr double kJogAhead = 0.1;    // [s] that a jog plans ahead
-constexpr double kStopped = 0.5;     // [s] after a loss from which nothing may move
+constexpr double kJogAhead = 0.1;    // [s] planned in advance by a jog
+constexpr double kStopped = 0.5;     // [s] after a loss, from which on nothing may move
 
 MotionPlan plan_of(const Scenario& scenario) {
   std::vector<PlannedArm> arms;
@@ -109,7 +109,7 @@ class Live {
     if (dropped > 0 && tell_.refused) tell_.refused(dropped_lines(dropped));
   }
 
-  // As for arms on boards: what cannot be carried out is not begun.
+  // Reason for which a command cannot be executed, as for arms on boards: it is then not begun.
   std::string objection(const LiveCommand& command) {
     if (experiment_.controller().state() != CooperativeState::kTracking) return "";
     const auto* jog = std::get_if<LiveJog>(&command);
@@ -166,7 +166,7 @@ class Live {
     if (out_.lost || quits_) return;
     const bool silent = options_.watches_silence && began_ && out_.time - heard_ > options_.silence;
     const bool ended = lines_.closed() && out_.time >= waits_until_;
-    if (jogs_ && out_.time - heard_ > options_.silence) {  // a jog needs a living hand
+    if (jogs_ && out_.time - heard_ > options_.silence) {  // a jog needs regular signs of life
       jogs_ = false;
       experiment_.stop();
     }

@@ -15,9 +15,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLookEvery = 0.004;  // [s] between two checks of the joints
-constexpr double kReach = 1e-4;       // [m] that a tip may miss its place by
-constexpr double kRoomLeft = 0.0025;  // of a joint's range, as MotionCheck leaves
-constexpr double kJogMove = 0.1;     // [s] of each of the moves that make a jog
+constexpr double kReach = 1e-4;       // [m] largest distance of a tip from its target
+constexpr double kRoomLeft = 0.0025;  // share of a joint's range that remains free, as in MotionCheck
+constexpr double kJogMove = 0.1;     // [s] duration of each move of a jog
 
 InverseKinematicsOptions reach_options() {
   InverseKinematicsOptions o;
@@ -118,7 +118,7 @@ std::string MotionPlan::jog(State state, const Vector3d& velocity, double second
   return advance(state, kSettled);
 }
 
-// Forces of members and walls, as the tips now are.
+// Computes the forces of members and walls at the present positions of the tips.
 void MotionPlan::pull(State& state) {
   for (Tip& tip : tips_) tip.force.setZero();
   for (size_t k = 0; k < scenario_.members.size(); ++k) {

@@ -11,18 +11,18 @@
 
 namespace veridyn {
 
-/// An arm as its controller knows it, for MotionPlan.
+/// An arm as its controller models it, for MotionPlan.
 struct PlannedArm {
   Model model;
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};
-  VectorXd torque;  ///< (n) what the motors give at most [N m], [N]
+  VectorXd torque;  ///< (n) largest torques of the motors [N m], [N]
 };
 
 /// Executes commands of a scenario with the same controller and ideal arms: tips follow as a double
-/// integrator (position loops) or as their impedance, members pull by their stiffness. On the way
-/// every arm must reach its tip positions, within its joints' limits with room to brake, within
-/// kSpeedShare of their velocities, and within its motors' torque by inverse dynamics; and the
+/// integrator (position loops) or as their impedance, members pull according to their stiffness. During the
+/// motion every arm must reach its tip positions within its joints' limits, the braking distance included,
+/// within kSpeedShare of their velocities, and within its motors' torque by inverse dynamics; and the
 /// controller must not stop. One object serves one thread.
 class MotionPlan {
  public:
@@ -44,20 +44,20 @@ class MotionPlan {
   State state_during_run(const CooperativeController& control, const CooperativeInput& seen,
                   const std::vector<VectorXd>& q) const;
 
-  /// @param seconds  [s] that are planned. @returns why the commands cannot be carried out, with
-  /// place and numbers; empty if they can. The state is then where they lead to.
+  /// @param seconds  [s] to plan. @returns the reason for which the commands cannot be executed, with place
+  /// and numbers; empty if they can. The state is then that at the end.
   std::string play(State& state, const std::vector<ScenarioCommand>& commands, double seconds);
 
-  /// One command in the middle of a run, until everything has settled after its end; a command that
-  /// takes longer than kLongest is planned with that duration.
+  /// Plans one command during a run, until all motion has settled after its end. A command that takes longer
+  /// than kLongest is planned with that duration.
   std::string check_command(State state, ScenarioCommand command);
 
   /// The same for a velocity of the object [m/s] that lasts for a time and is then stopped.
   std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);
 
   static constexpr double kSpeedShare = 0.95;  ///< of a joint's velocity limit
-  static constexpr double kSettled = 0.3;      ///< [s] that are planned beyond a command's end
-  static constexpr double kLongest = 5.0;      ///< [s] of a command by line: long plans take long
+  static constexpr double kSettled = 0.3;      ///< [s] planned after a command's end
+  static constexpr double kLongest = 5.0;      ///< [s] longest planned command from a line, since planning takes time
 
  private:
   struct Arm {

@@ -5,8 +5,8 @@
 
 namespace veridyn {
 
-/// Gives a command of a phase to the controller; letting go and taking hold also need the world.
-/// False where the controller refuses it.
+/// Passes a command of a phase to the controller. Releasing and attaching also concern the world. False if
+/// the controller refuses it.
 bool apply_command(const ScenarioCommand& command, CooperativeController& control) noexcept;
 
 }  // namespace veridyn

@@ -51,7 +51,7 @@ MemberFigures figures_of(const MemberTrace& m, Eigen::Index first, Eigen::Index 
   return f;
 }
 
-// NaN where no member is tracked: nothing is met then.
+// NaN if no member is tracked: no bound is satisfied then.
 double worst_of_tracked(const std::vector<MemberFigures>& members, double MemberFigures::*figure) {
   double worst = std::numeric_limits<double>::quiet_NaN();
   for (const MemberFigures& m : members) {

@@ -27,7 +27,7 @@ Scenario at_point(Scenario scenario, const SweepPoint& point) {
   return scenario;
 }
 
-void judge(const ScenarioRun& run, double stable_error, SweepPoint& point) {
+void evaluate_run(const ScenarioRun& run, double stable_error, SweepPoint& point) {
   bool tracked = false, told = true;
   for (const PhaseFigures& p : run.phases) {
     if (p.asked_force_error > 0.0)
@@ -122,7 +122,7 @@ ScenarioSweepResult sweep_scenario(const Scenario& scenario, const SweepOptions&
     if (const auto kept = options.kept ? options.kept(k) : std::nullopt) {
       point = *kept;
     } else {
-      judge(run_scenario(at_point(scenario, point), options.engine), out.stable_error, point);
+      evaluate_run(run_scenario(at_point(scenario, point), options.engine), out.stable_error, point);
       if (options.keep) options.keep(k, point);
     }
     const int now = ++done;

@@ -8,8 +8,8 @@
 namespace veridyn {
 namespace {
 
-constexpr std::size_t kMost = 10000;  // lines that wait
-constexpr int kAtOnce = 256;          // lines that are read in one cycle
+constexpr std::size_t kMost = 10000;  // largest number of waiting lines
+constexpr int kAtOnce = 256;          // largest number of lines read in one cycle
 constexpr double kOneBreath = 0.05;   // [s] shorter than a person's reaction to a line
 
 bool is_stop(const std::string& line) {

@@ -22,8 +22,8 @@ class WaitingLines {
   bool closed() const { return source_.closed() && lines_.empty(); }
 
   /// Call it before every next(). @param now [s]
-  /// @returns  once for each stop that has arrived: the number of lines before it that were not taken, which are
-  /// dropped. Nothing of a file, in which it has its turn.
+  /// @returns  once for each stop that has arrived: the number of earlier lines that were not executed, which
+  /// are dropped. Nullopt for a file, in which stops are executed in order.
   std::optional<int> stopped(double now);
 
  private:

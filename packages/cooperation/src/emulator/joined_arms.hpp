@@ -18,13 +18,12 @@
 
 namespace veridyn::dvrk {
 
-/// Emulated boards of several arms whose tips hold one object: each arm's motors drive its part of
-/// a scenario's World, and every emulator has a UDP port of its own. Either one thread serves all
-/// of them in real time (run()), or the caller's loop advances their clock (SteppedClock).
-/// (SteppedClock).
+/// Emulated boards of several arms whose tips hold one object: each arm's motors drive its part of a
+/// scenario's World, and every emulator has its own UDP port. Either one thread serves all of them in real
+/// time (run()), or the caller's loop advances their clock (SteppedClock).
 ///
-/// Before its first power an arm is held. Afterwards brakes hold it when no amplifier is on, where
-/// its configuration has brakes; other arms fall, down to the ends of their joints.
+/// Before its first power-up an arm is held. Afterwards brakes hold it while no amplifier is on, if its
+/// configuration has brakes; other arms fall, down to the ends of their joints.
 class JoinedArms final : public JoinedBoards, public SteppedClock {
  public:
   /// @param arms  one for each arm of the scenario.
@@ -91,7 +90,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     std::optional<int> failed_joint() const override { return std::nullopt; }
     const std::vector<std::string>& left_out() const override { return none_; }
     bool driven() const { return driven_; }
-    /// The world made a step of so many seconds.
+    /// Called after the world has made a step of `seconds`.
     void moved(double seconds) noexcept {
       if (elapsed_ > 0.0) {
         from_ = q_;
@@ -145,7 +144,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   EmulatedInstant instant_;
 };
 
-/// JoinedArms, as BoardCooperationOptions::emulate takes it.
+/// JoinedArms, in the form of BoardCooperationOptions::emulate.
 std::unique_ptr<JoinedBoards> emulate_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
                                              const BoardCooperationOptions& options);
 

@@ -489,7 +489,7 @@ TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
 }
 
 // A jog that is kept up ends before it leads where an arm cannot go.
-TEST(BoardCooperation, AJogEndsBeforeTheArmsDo) {
+TEST(BoardCooperation, AJogEndsBeforeAnArmReachesItsLimits) {
   const Scenario scenario = board_example("two-psm-spring");
   std::vector<std::string> words{"force spring 1 0.5", "wait 0.6"};
   for (int k = 0; k < 20; ++k) {
@@ -580,7 +580,7 @@ TEST(BoardCooperation, ReleasingAPretensionIsNoFault) {
   EXPECT_LT(done.force_at_off, 0.5) << done.report();
 }
 
-TEST(BoardCooperation, TheReportSaysWhichArmWasHeld) {
+TEST(BoardCooperation, TheReportNamesTheHeldArm) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   const BoardCooperationRun done =

@@ -195,7 +195,7 @@ TEST(World, AnArmHoldsAMemberWithTheTransposedJacobian) {
   EXPECT_LT(world.dq(0).norm() + world.dq(1).norm(), 1e-5);
 }
 
-TEST(World, AWallStopsASlideAndGivesItsMotionBack) {
+TEST(World, AWallStopsASlideAndReturnsItsMotion) {
   const Model arm = weightless(slide());
   std::vector<WorldArm> arms;
   arms.push_back(standing(arm));
@@ -214,7 +214,7 @@ TEST(World, AWallStopsASlideAndGivesItsMotionBack) {
 
 // A body on three grasps of the world settles where they carry its weight, and swings with its
 // energy kept until then.
-TEST(World, ABodyHangsInItsGrasps) {
+TEST(World, ABodyRestsWhereItsGraspsCarryItsWeight) {
   // The arm's model brings gravity, in the axes of its base, which lies on its side.
   ModelDescription on_its_side = slide().description();
   on_its_side.gravity = {-9.81, 0, 0};

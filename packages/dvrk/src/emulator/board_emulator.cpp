@@ -141,8 +141,7 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   return place < 0 ? Answer() : read(request, place, reply);
 }
 
-// Section 2.4. The Ethernet side does not check CRCs, but other boards do not take a packet whose
-// CRC is wrong.
+// Section 2.4. The Ethernet side does not check CRCs, but other boards ignore a packet with a wrong CRC.
 int BoardEmulator::requesting_reader(const Request& request) const noexcept {
   const bool local = (request.flags & kNoForward) != 0;
   const BoardSetup& its = boards_[hub()].setup();
@@ -194,7 +193,7 @@ void BoardEmulator::write_to(EmulatedBoard& b, const Request& request) noexcept 
   if (b.reboot_requested) reboot(static_cast<int>(&b - boards_.data()));
 }
 
-// Section 8.5: the board next to the computer sends all blocks, unasked.
+// Section 8.5: the board next to the computer sends all blocks without a request.
 Answer BoardEmulator::answer_query(const Request& query, ByteSpan out) noexcept {
   std::size_t quadlets = 1;
   for (HubSlot& slot : slots_) slot.at = now_;
@@ -254,7 +253,7 @@ bool BoardEmulator::consume_fault(int node) noexcept {
   return true;
 }
 
-// The hub answers for itself without CRCs, what it relays has them.
+// The hub's own answers have no CRCs, relayed ones do.
 Answer BoardEmulator::send(Reply& reply, int place, ByteSpan out) noexcept {
   const std::size_t size = encode(reply, place == hub() ? Crc::kZero : Crc::kReal, out);
   if (size == 0 || !consume_fault(reply.node)) return {size, 0.0, false};
@@ -291,7 +290,8 @@ Answer BoardEmulator::corrupt_reply(std::size_t size, ByteSpan out) noexcept {
       change(19, 0x55);
       break;
     case ReplyFault::kOld: {
-      // Alone the hub's answers, which have no CRC that a label would break; and blocks of one kind.
+      // Only the hub's own answers, which have no CRC that a changed label would invalidate, and blocks of
+      // one kind.
       constexpr std::size_t kWithLabel = 4, kHeaderCrc = 16;
       const bool blocks = size > kHeaderCrc + 4 && (old_size_ == 0 || old_size_ == size) && (out.data[3] >> 4) == 7;
       if (!blocks || load_quadlet(out.data + kHeaderCrc) != 0) break;

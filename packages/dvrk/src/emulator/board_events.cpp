@@ -35,7 +35,7 @@ std::size_t axis(const Target& at) {
   return static_cast<std::size_t>(at.axis);
 }
 
-// "=N" replies are corrupted, or all of them.
+// Corrupts the next N replies ("=N"), or all of them.
 EventKind reply(const char* name, ReplyFault fault, const char* help) {
   return {name, Needs::kNothing, "[N]", help, [fault](BoardEmulator& e, const Target& at) {
             e.faults.reply = fault;

@@ -58,7 +58,7 @@ void join_multicast(int socket, BoardServer::Listens listens) {
     ip_mreq group{};
     group.imr_multiaddr.s_addr = htonl(kMulticastGroup);
     group.imr_interface = own.sin_addr;
-    // An interface that is down or has no multicast cannot be used by a host either.
+    // An interface that is down or has no multicast is of no use for a host either.
     ::setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group);
   }
   ::freeifaddrs(all);
@@ -104,8 +104,8 @@ Ticks BoardServer::now() const {
   return static_cast<Ticks>((seconds_now() - start_) * kTicksPerSecond);
 }
 
-// Datagrams carry CLOCK_REALTIME. Its offset to the other clock is measured by reading both without
-// an interruption in between.
+// Datagrams carry CLOCK_REALTIME. Its offset to the other clock is measured by reading both without an
+// interruption in between.
 Ticks BoardServer::time_of(double came) {
   const double before = seconds_now();
   const double real = seconds_now(CLOCK_REALTIME);
@@ -127,8 +127,8 @@ void BoardServer::serve(double seconds) {
   latest_ = std::max(latest_, static_cast<double>(now() - emulator_.time()) / kTicksPerSecond);
 }
 
-// Serves one datagram at time `at`, or at its arrival time, like a board that is never busy. False:
-// there was none.
+// Serves one datagram at time `at`, or at its arrival time, like a board that is never busy. False if there
+// was none.
 bool BoardServer::serve_one(Ticks at, bool as_it_came) {
   std::array<std::uint8_t, kDatagramBuffer> in{}, out{};
   sockaddr_in from{};

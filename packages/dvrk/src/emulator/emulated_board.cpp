@@ -31,7 +31,7 @@ EmulatedBoard::EmulatedBoard(const BoardSetup& setup) : setup_(setup) {
 
 void EmulatedBoard::reboot(Ticks now) noexcept {
   for (Channel& c : channels_) {
-    const ChannelMotion motion = c.motion;  // the arm does not notice
+    const ChannelMotion motion = c.motion;  // does not affect the arm
     c = Channel();
     if (setup_.io_expander) c.motor_config |= 1U << 25;
     c.motion = motion;
@@ -91,7 +91,7 @@ void EmulatedBoard::clear_trip(Channel& c) noexcept {
   c.exceeds_since = -1;
 }
 
-// About Gaussian: the sum of four numbers that are even between -1 and 1 has a variance of 4/3.
+// Approximately Gaussian: the sum of four numbers uniform in [-1, 1] has a variance of 4/3.
 double EmulatedBoard::noise(double deviation) noexcept {
   if (deviation <= 0.0) return 0.0;
   double sum = 0.0;

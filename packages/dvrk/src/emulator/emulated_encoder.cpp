@@ -16,8 +16,8 @@ std::uint32_t saturated(double ticks) {
   return ticks >= static_cast<double>(kMost) ? kMost : static_cast<std::uint32_t>(ticks + 0.5);
 }
 
-// The edge that lands on this count when it counts up; A leads by a quarter on a count that four
-// divides.
+// Kind of the edge that leads to this count when counting up; A leads by a quarter on counts that are
+// multiples of four.
 std::uint32_t kind_up(std::int64_t count) {
   static constexpr std::uint32_t kKinds[] = {8, 4, 2, 1};
   return kKinds[((count % 4) + 4) % 4];
@@ -86,7 +86,7 @@ void EmulatedEncoder::preload(std::uint32_t word) noexcept {
   offset_ = static_cast<std::int64_t>(preload_) - count_;
 }
 
-// Section 11.2. Nothing is known before the first edge: the words of power-up.
+// Section 11.2. Before the first edge the words have their power-up values.
 std::uint32_t EmulatedEncoder::period_word(bool stale) const noexcept {
   const std::uint32_t partial = edges_ < 5 ? 1U << 27 : 0U;
   const std::uint32_t error = broken_lines ? 1U << 28 : 0U;

@@ -21,7 +21,7 @@ constexpr std::uint32_t kDallasSuccess = 1U << 1;        // bits 2:1
 constexpr std::uint32_t kDallasBothDirections = 1U << 3;  // as DOUT can be read
 constexpr std::uint32_t kFpgaPromWords = 64;
 
-// The string, then 0xFF.
+// The characters of the string, then 0xFF.
 template <std::size_t N>
 void fill(std::array<std::uint8_t, N>& prom, const std::string& text) {
   prom.fill(0xFF);
@@ -69,7 +69,7 @@ std::uint32_t EmulatedBoard::dallas_status() const noexcept {
   return word | (kDallasFamily << 24) | (dallas_asked_ ? kDallasSuccess : 0U);
 }
 
-// The chip's memory from the byte on that the last command named.
+// The chip's memory from the byte that the last command selected.
 std::uint32_t EmulatedBoard::dallas_quadlet(std::size_t place) const noexcept {
   std::uint32_t word = 0;
   for (std::size_t k = 0; k < 4; ++k) {

@@ -9,7 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Throws if a joint of the model depends on an actuator that stands still.
+// Throws if a joint of the model depends on an actuator that does not move.
 void require_apart(const MatrixXd& K, int joints, const std::string& name) {
   const auto rest = K.rows() - joints;
   require(K.topRightCorner(joints, rest).isZero() && K.bottomLeftCorner(rest, joints).isZero(),
@@ -71,7 +71,7 @@ void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
   upper_ = upper;
 }
 
-// Without rebound: a joint at a stop keeps no velocity towards it.
+// Without rebound: a joint at a stop has no velocity towards it.
 void SimulatedArm::stop_at_ends() noexcept {
   if (lower_.size() == 0 || status_ != StepStatus::kOk) return;
   held_q_ = engine_.q();
@@ -105,7 +105,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
   sensors_.correct_torques(tau_);
   had_power_ = had_power_ || any;
   const bool stands = !any && (brakes_ || !had_power_);
-  if (stands && !parked_) {  // the brakes fall in
+  if (stands && !parked_) {  // the brakes engage
     q_.head(tau_.size()) = engine_.q();
     engine_.set_state(engine_.q(), rest_);
   }

@@ -9,7 +9,7 @@ namespace {
 const std::string kExample =
     std::string(VERIDYN_SOURCE_DIR) + "/data/dvrk/sawRobotIO1394-PSM1-example.xml";
 
-TEST(DvrkConfig, XmlBecomesJsonAndStaysTheSame) {
+TEST(DvrkConfig, XmlAndJsonRoundTripKeepsTheConfiguration) {
   const TemporaryFolder folder;
   const std::string converted = folder.path("io.json");
   const std::string xml = folder.path("io.xml");

@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(All, Firmware,
                                   std::to_string(static_cast<int>(std::get<1>(of.param)));
                          });
 
-TEST_P(Firmware, EveryPacketIsWhatTheSpecificationSays) {
+TEST_P(Firmware, EveryPacketIsThatOfTheSpecification) {
   BoardEmulator emulator({Rig::setup(6, firmware()), Rig::setup(7, firmware())}, 3);
   EmulatedLink link(emulator);
   Recorder recorder(link);

@@ -268,7 +268,7 @@ TEST(Commands, Rev7AppliesTheControlWordOnlyIfAllFourIdsMatch) {
   EXPECT_TRUE(command.channel[1].valid);
 }
 
-TEST(Sizes, ABroadcastReadOfManyBoardsFitsAsTheSpecificationSays) {
+TEST(Sizes, ABroadcastReadOfManyBoardsHasTheSizeOfTheSpecification) {
   const auto bytes = [](int boards, int firmware) {
     return 4 * (static_cast<std::size_t>(boards) * hub_quadlets(firmware) + 1);
   };

@@ -10,7 +10,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-TEST(RunJson, SaysInOneWordWhetherThePowerIsOff) {
+TEST(RunJson, StatesInOneWordWhetherThePowerIsOff) {
   for (const auto& [power, word] : {std::pair{OffState::kNotAsked, "not asked"},
                                     {OffState::kConfirmed, "confirmed"},
                                     {OffState::kPowerOn, "not confirmed"},

@@ -12,9 +12,9 @@ using namespace veridyn;
 using Kind = Command::Kind;
 
 constexpr double kTwoPi = 6.283185307179586;
-constexpr double kServoSpeed = 0.8;      // of the velocity limits, at most, in streams of positions
-constexpr double kStop = 0.1;            // [s] in which a move stops
-constexpr double kSliding = 0.2;         // metres for radians where a file gives no velocity limit
+constexpr double kServoSpeed = 0.8;      // largest share of the velocity limits in streams of positions
+constexpr double kStop = 0.1;            // [s] duration of the braking of a move
+constexpr double kSliding = 0.2;         // [m/rad] default velocity limit of prismatic over revolute joints
 
 Tip tip_of(const Model& arm, const std::string& name) {
   if (!name.empty()) return {name};
@@ -88,7 +88,7 @@ CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
   cycle_.disable();
 }
 
-// From here on: the measured position is held if the arm was led by efforts, else the setpoint.
+// From here on the measured position is held if the arm was commanded by efforts, else the setpoint.
 void CrtkArm::hold() noexcept {
   const bool led = mode_ == Mode::kServo && stream_ != Kind::kServoJf && stream_ != Kind::kServoCf;
   if (led) {
@@ -114,7 +114,7 @@ void CrtkArm::watch_silence(double dt) noexcept {
     client_ = 0;
     return;
   }
-  // Held because a stream was lost, not by a hold command.
+  // Held because a stream ended, not by a hold command.
   const bool lost = mode_ == Mode::kHold && stream_ != Kind::kHold;
   if (lost && silent_ > options_.release_after) mode_ = Mode::kReleased;
   if (mode_ == Mode::kMove && way_.arrived()) {
@@ -131,7 +131,7 @@ void CrtkArm::follow_twist(double dt) noexcept {
   way_.reset(goal_);
 }
 
-// The setpoint goes to where the stream is, never faster than the arm may: messages come in bursts.
+// Moves the setpoint toward the stream's, within the velocity limits, because messages arrive in bursts.
 void CrtkArm::follow_joints(double dt) noexcept {
   for (int i = 0; i < n_; ++i) {
     const double most = kServoSpeed * limits_.velocity[i] * dt;
@@ -140,7 +140,7 @@ void CrtkArm::follow_joints(double dt) noexcept {
   way_.reset(goal_);
 }
 
-// The controller's reference rests where the arm is.
+// Sets the controller's reference to the arm's position, at rest.
 void CrtkArm::hold_position() noexcept {
   smoothed_ = goal_;
   wanted_.q = goal_;
@@ -148,7 +148,8 @@ void CrtkArm::hold_position() noexcept {
   wanted_.ddq.setZero();
 }
 
-// Three lags: one on the setpoint, two in the reference, whose velocity and acceleration follow.
+// Three first-order lags: one on the setpoint, two on the reference, which also give its velocity and
+// acceleration.
 void CrtkArm::smooth(double dt) noexcept {
   const double w = options_.smoothing;
   smoothed_ += (1.0 - std::exp(-w * dt)) * (way_.x() - smoothed_);

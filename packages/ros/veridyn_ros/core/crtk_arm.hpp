@@ -25,7 +25,7 @@ struct Command {
   };
   Kind kind = Kind::kHold;
   std::uint64_t client = 0;  ///< identity of the client; two clients cannot stream at once
-  double age = 0.0;          ///< [s] by its stamp when it arrived; 0: not stamped
+  double age = 0.0;          ///< [s] difference of its stamp and its arrival; 0: no stamp
   int count = 0;             ///< entries of `joints`
   double joints[kMostJoints] = {};  ///< [rad], [m], or [N m], [N]
   double position[3] = {};          ///< [m] in the arm's base
@@ -62,38 +62,37 @@ struct Feedback {
   bool homed = false, busy = false;
   veridyn::SafetyFault fault = veridyn::SafetyFault::kNone;
   Refusal refusal = Refusal::kNone;  ///< of the last command that was refused
-  std::uint64_t refusals = 0;        ///< how many were
-  std::uint64_t lost_streams = 0;    ///< streams of commands that fell silent
+  std::uint64_t refusals = 0;        ///< number of refused commands
+  std::uint64_t lost_streams = 0;    ///< number of streams of commands that ended without notice
 };
 
 struct CrtkOptions {
   std::string tip;               ///< frame; empty: "tool", or else the last one
-  double hold_after = 0.1;       ///< [s] without a command of a stream: hold
-  double release_after = 1.0;    ///< [s] after which the arm yields gently
-  double oldest = 0.5;           ///< [s] largest age of an accepted command, by its stamp
-  double oldest_positions = 0.05;  ///< [s]: beyond, a fault
-  double longest_cycle = 0.05;     ///< [s]: beyond, a fault
+  double hold_after = 0.1;       ///< [s] without a command of a stream, after which the arm holds
+  double release_after = 1.0;    ///< [s] without a command, after which the arm is released (see below)
+  double oldest = 0.5;           ///< [s] largest age of a command, by its stamp; older ones are refused
+  double oldest_positions = 0.05;  ///< [s] largest age of positions; older ones are a fault
+  double longest_cycle = 0.05;     ///< [s] longest cycle; a longer one is a fault
   double frequency = 5.0;        ///< [Hz] bandwidth of the joint loops, critically damped
-  double smoothing = 60.0;       ///< [1/s] of the three lags that setpoints go through
+  double smoothing = 60.0;       ///< [1/s] bandwidth of each of the three lags of setpoints
   double observer = 10.0;        ///< [1/s] of the observer of model errors
   double move_velocity = 0.3;    ///< share of the velocity limits in moves
   double velocity = 1.0;         ///< [rad/s], [m/s / 5] where the robot file gives no limit
   double effort = 40.0;          ///< [N m], [N] where the robot file gives no limit
 };
 
-/// One arm between clients and motors: arbitration of commands, the operating state of CRTK,
-/// computed torque with integral action in the model, the safety supervisor. Knows nothing of ROS,
-/// allocates nothing and throws nothing after the constructor; one object serves one thread.
+/// One arm between clients and motors: accepts or refuses commands, keeps the operating state of CRTK, and
+/// runs computed torque with an integral action and a safety supervisor. It does not depend on ROS; nothing
+/// allocates or throws after the constructor; one object serves one thread.
 ///
-/// - A stream (servo_*) that falls silent for `hold_after` is held where it got to, one that stays
-///   silent for `release_after` gives way: gravity and damping alone. The next command takes over
-///   from where the arm then is. Moves and hold end in holding for ever.
+/// - If a stream (servo_*) ends, the arm holds after `hold_after` seconds, and after `release_after` is
+///   released: gravity compensation and damping alone. The next command starts from the arm's position then. A
+///   move ends in a hold.
 /// - Commands that are not finite, beyond limits, farther than the velocity limits allow, older than
-///   `oldest`, or from another client than the one that streams, are refused; the arm goes on with
-///   what it did.
-/// - Setpoints go through three lags of 1 / smoothing each: a stream at 50 Hz makes no steps. Streams
-///   of positions are followed at 0.8 of the velocity limits at most: bursts of messages do no harm.
-/// - servo_jf and servo_cf come on top of gravity compensation.
+///   `oldest`, or from another client than the one that streams, are refused; the arm continues as before.
+/// - Setpoints pass three lags of 1 / smoothing each, so that a stream at 50 Hz causes no steps. Streams of
+///   positions move the arm at 0.8 of the velocity limits at most, so that bursts of messages are harmless.
+/// - servo_jf and servo_cf are added to gravity compensation.
 ///
 ///   CrtkArm arm(model);
 ///   every cycle: while (queue.pop(c)) arm.command(c);  tau = arm.update(q, dq, age, 0.001);
@@ -102,15 +101,16 @@ class CrtkArm {
   /// @throws veridyn::InvalidInput  as the controllers; more than kMostJoints joints.
   explicit CrtkArm(const veridyn::Model& model, const CrtkOptions& options = {});
 
-  /// @returns why it was refused, or kNone.
+  /// @returns the reason for a refusal, or kNone.
   Refusal command(const Command& command) noexcept;
 
-  /// Clients see and ask for true positions and torques; what the model knows of its sensors
-  /// (veridyn::JointSensors) is undone here.
+  /// Clients use true positions and torques; the errors of the model's sensors (veridyn::JointSensors) are
+  /// undone here.
   ///
-  /// @param shown_q, dq  (n) as the encoders show them. @param age [s] of them. @param dt [s] since the last update(), as
-  /// it was by a steady clock. @param powered  false: torques have no effect yet; the setpoint stays
-  /// with the arm, which is busy, and motions are refused. @returns (n) torques as drives count them, always finite and within limits.
+  /// @param shown_q, dq  (n) as measured by the encoders. @param age [s] of them. @param dt [s] since the
+  /// last update(), by a steady clock. @param powered  false: torques have no effect yet; the setpoint
+  /// follows the arm, which is busy, and motions are refused. @returns (n) torques in the drives' scale,
+  /// always finite and within limits.
   const VectorXd& update(const VectorXd& shown_q, const VectorXd& dq, double age, double dt,
                          bool powered = true) noexcept;
 

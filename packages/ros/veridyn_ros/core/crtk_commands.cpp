@@ -11,9 +11,9 @@ namespace {
 using namespace veridyn;
 using Kind = Command::Kind;
 
-constexpr double kReach = 0.1;        // [s] at the velocity limit: farther is no stream
+constexpr double kReach = 0.1;        // [s] at the velocity limit: a farther setpoint is refused
 constexpr double kLeastMove = 0.2;    // [s]
-constexpr double kAccelerate = 0.25;  // [s] to the velocity of a move
+constexpr double kAccelerate = 0.25;  // [s] to reach the velocity of a move
 
 bool streams(Kind kind) {
   return kind == Kind::kServoJp || kind == Kind::kServoJf || kind == Kind::kServoCp ||
@@ -112,7 +112,7 @@ Refusal CrtkArm::refusal_of(const Command& c) noexcept {
   if (moves(c.kind) && mode_ == Mode::kServo && c.client != client_ && silent_ < options_.hold_after)
     return Refusal::kOtherClient;
   if (needs_joints(c.kind) && c.count != n_) return Refusal::kWrongSize;
-  if (mode_ == Mode::kReleased) hold();  // from where the arm is by now
+  if (mode_ == Mode::kReleased) hold();  // from the present position of the arm
   switch (c.kind) {
     case Kind::kServoJp: return accept_joints(c, false);
     case Kind::kMoveJp: return accept_joints(c, true);
@@ -150,7 +150,7 @@ Refusal CrtkArm::transition(Kind kind) noexcept {
     case Kind::kResume:
       return now == OperatingState::kPaused ? to(OperatingState::kEnabled)
                                             : Refusal::kInvalidTransition;
-    case Kind::kHome:  // nothing to seek: positions are absolute
+    case Kind::kHome:  // nothing to search for: positions are absolute
       if (now != OperatingState::kEnabled) return Refusal::kInvalidTransition;
       homed_ = true;
       return Refusal::kNone;
@@ -191,7 +191,7 @@ Refusal CrtkArm::accept_pose(const Command& c, bool move) noexcept {
   Eigen::Quaterniond turn(c.quaternion[3], c.quaternion[0], c.quaternion[1], c.quaternion[2]);
   if (!(turn.norm() > 0.5 && turn.norm() < 2.0)) return Refusal::kNotFinite;
   turn.normalize();
-  effort_ = way_.x();  // where the search starts
+  effort_ = way_.x();  // initial guess of the search
   const Eigen::Vector3d position(c.position[0], c.position[1], c.position[2]);
   if (inverse_.solve(position, turn.toRotationMatrix(), effort_) != ReachStatus::kReached)
     return Refusal::kOutOfReach;

@@ -7,8 +7,8 @@
 
 namespace veridyn_ros {
 
-/// The newest of what one thread writes, for one other that reads; neither ever waits for the
-/// other. Three places: one being written, one being read, one between them.
+/// The latest value that one thread writes, for one thread that reads; neither waits for the other. Three
+/// buffers: one being written, one being read, one between them.
 template <typename T>
 class Snapshot {
  public:
@@ -17,7 +17,7 @@ class Snapshot {
     writing_ = between_.exchange(static_cast<std::uint8_t>(writing_ | kNew), std::memory_order_acq_rel) & kPlace;
   }
 
-  /// True where something new was there; `value` is then that.
+  /// Reads a value into `value`; false if there is none since the last read.
   bool read(T& value) noexcept {
     if ((between_.load(std::memory_order_acquire) & kNew) == 0) return false;
     reading_ = between_.exchange(reading_, std::memory_order_acq_rel) & kPlace;
@@ -32,7 +32,7 @@ class Snapshot {
   std::atomic<std::uint8_t> between_{2};
 };
 
-/// A queue from one thread to one other; what does not fit is refused.
+/// A queue from one thread to another; push() refuses what exceeds the size.
 template <typename T, std::size_t Size>
 class Queue {
  public:

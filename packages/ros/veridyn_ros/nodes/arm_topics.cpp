@@ -10,7 +10,7 @@ using Kind = Command::Kind;
 
 constexpr double kClockJump = 1.0;  // [s]
 
-// [s] of a stamp; 0 where there is none.
+// [s] since the stamp; 0: no stamp.
 double age_of(const std_msgs::Header& header) {
   return header.stamp.isZero() ? 0.0 : (ros::Time::now() - header.stamp).toSec();
 }
@@ -131,12 +131,12 @@ void ArmTopics::state_command(const Event<crtk_msgs::StringStamped>& event) {
              "', expected enable, disable, pause, resume, home or unhome");
     return;
   }
-  // Latched by clients, so that its stamp may be old.
+  // Latched topic: its stamp may be old.
   push(command(event, found->second, 0.0));
 }
 
-// Time of the loop's feedback, by ROS' clock: the loop's own clock, which is even, put at the
-// place of ROS' clock anew only where that jumped.
+// Time of the loop's feedback on ROS' clock: the loop's steady clock plus an offset, which is updated only if
+// ROS' clock jumped.
 ros::Time ArmTopics::stamp() {
   const double now = ros::Time::now().toSec();
   if (clock_ahead_ == 0.0 || std::abs(now - clock_ahead_ - now_.time) > kClockJump)

@@ -17,8 +17,8 @@
 
 namespace veridyn_ros {
 
-/// The topics of one arm, in the network's thread. The loop sees a queue of commands and a snapshot
-/// of feedback, and never waits for either.
+/// The topics of one arm, in the network's thread. They exchange a queue of commands and a snapshot of
+/// feedback with the loop, and never wait for it.
 class ArmTopics {
  public:
   using Commands = Queue<Command, 64>;
@@ -27,7 +27,7 @@ class ArmTopics {
   ArmTopics(ros::NodeHandle space, const veridyn::Model& arm, Commands& to_loop,
             Snapshot<Feedback>& from_loop);
 
-  /// Publishes what is new; to be called at the publishing rate.
+  /// Publishes what is new; call it at the publishing rate.
   void publish();
 
  private:
@@ -59,7 +59,7 @@ class ArmTopics {
   Snapshot<Feedback>& from_loop_;
   Feedback now_;
   ros::Time stamp();
-  double clock_ahead_ = 0.0;  // [s] of ROS' clock before the loop's
+  double clock_ahead_ = 0.0;  // [s] by which ROS' clock is ahead of the loop's
   OperatingState told_state_ = OperatingState::kDisabled;
   bool told_ = false, told_homed_ = false, told_busy_ = false;
   std::uint64_t told_refusals_ = 0, told_lost_ = 0;

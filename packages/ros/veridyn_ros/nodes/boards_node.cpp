@@ -1,6 +1,7 @@
-// Arms on dVRK boards, real or emulated, behind topics: NAME/io/measured_js at the loop's rate, NAME/io/servo_jf. Efforts of
-// measured_js are those of the measured currents; without power there are none. Power is on only while a controller says
-// ENABLED or PAUSED on NAME/operating_state and sends torques: silence of ~patience switches off. NAME/io/state has the state as text.
+// Arms on dVRK boards, real or emulated, as topics: NAME/io/measured_js at the loop's rate, NAME/io/servo_jf.
+// Efforts of measured_js are those of the measured currents; without power there are none. Power is on only
+// while a controller publishes ENABLED or PAUSED on NAME/operating_state and sends torques; after ~patience
+// without them it is switched off. NAME/io/state has the state as text.
 
 #include <crtk_msgs/OperatingState.h>
 #include <sensor_msgs/JointState.h>
@@ -24,7 +25,7 @@ namespace {
 using veridyn::BoardArm;
 using veridyn::VectorXd;
 
-// State of an arm as fixed texts, written by the loop.
+// State of an arm as literal texts, written by the loop.
 struct BoardWords {
   const char* state = "off";
 };
@@ -32,7 +33,7 @@ struct BoardWords {
 struct Arm {
   std::string name;
   std::unique_ptr<BoardArm> boards;
-  int joints = 0;  // that the controller has
+  int joints = 0;  // number of joints that the controller uses
   Snapshot<MotorTorque> asked;
   Snapshot<MotorState> measured;
   Snapshot<BoardWords> words;
@@ -40,7 +41,7 @@ struct Arm {
   // Used by the loop's thread only.
   MotorTorque now;
   VectorXd tau;
-  bool refused = false;  // since the controller was last not enabled
+  bool refused = false;  // since the controller was enabled last
   Spread answered;
   // Used by the network's thread only.
   MotorState told;
@@ -113,7 +114,7 @@ class Boards {
         })};
   }
 
-  // The loop: nothing here allocates or throws; it waits for the boards' replies alone.
+  // The loop: nothing here allocates or throws; it waits only for the boards' replies.
   void cycles() noexcept {
     if (priority_ > 0 && !(veridyn::set_real_time_priority(priority_) && veridyn::lock_memory()))
       ROS_WARN("the system allows no real-time priority: cycles may come late");
@@ -136,7 +137,7 @@ class Boards {
     const bool led = arm.enabled && steady_now() - arm.now.stamp < patience_;
     if (!arm.enabled) arm.refused = false;
     const char* why = boards.fault();
-    if (why != nullptr) arm.refused = true;  // only a new ENABLED brings power back
+    if (why != nullptr) arm.refused = true;  // power returns only after a new ENABLED
     if (led && !arm.refused && !boards.powered()) {
       why = boards.power_on();
       arm.refused = why != nullptr;

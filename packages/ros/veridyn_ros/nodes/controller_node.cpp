@@ -1,5 +1,5 @@
-// One to three arms under CrtkArm, in a loop of their own. The arms are simulated in this process
-// (~plant inside), or are another node's (~plant topics: NAME/io/measured_js, NAME/io/servo_jf).
+// One to three arms under CrtkArm, in one loop. The arms are simulated in this process (~plant inside), or
+// run in another node (~plant topics: NAME/io/measured_js, NAME/io/servo_jf).
 
 #include <std_msgs/Float64MultiArray.h>
 
@@ -21,10 +21,10 @@ namespace {
 using veridyn::VectorXd;
 
 constexpr double kLostMotors = 0.02;  // [s] without positions: no torque is computed from them
-constexpr double kOverrun = 0.5;      // of a period: a cycle that begins later counts
-constexpr long kTold = 100;           // cycles between two tellings of how the loop does
+constexpr double kOverrun = 0.5;      // share of a period by which a cycle counts as late
+constexpr long kTold = 100;           // cycles between two reports of the loop's timing
 
-// One arm of the loop. All that both threads touch is lock-free.
+// One arm of the loop; its members used by both threads are lock-free.
 struct Arm {
   Arm(const ArmParameters& p, const CrtkOptions& options, bool inside)
       : arm(p.model, options), sensors(p.model), q(p.start), dq(VectorXd::Zero(p.start.size())), tau(dq) {
@@ -150,7 +150,7 @@ class Controller {
     }
     Command c;
     while (arm.commands.pop(c)) arm.arm.command(c);
-    // A simulated arm advances by one cycle, whatever the clock shows.
+    // A simulated arm advances by one cycle, whatever the clock.
     arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt, inside_ || arm.motors.powered);
     if (inside_) {
       if (arm.arm.state() != OperatingState::kDisabled) {  // else its brakes hold it
@@ -173,7 +173,7 @@ class Controller {
     arm.feedback.write(arm.arm.feedback());
   }
 
-  // Torques to another node's motors, as they come.
+  // Sends torques to the motors of another node as soon as they arrive.
   void send() {
     MotorTorque t;
     while (!ends_) {
@@ -182,7 +182,7 @@ class Controller {
         if (!arms_[k].to_motors.read(t)) continue;
         any = true;
         sensor_msgs::JointState m;
-        m.header.stamp = ros::Time(t.said);  // of the positions that they answer
+        m.header.stamp = ros::Time(t.said);  // stamp of the positions that the torques are for
         m.effort.assign(t.tau, t.tau + arms_[k].q.size());
         servo_jf_[k].publish(m);
       }
@@ -200,7 +200,7 @@ class Controller {
   }
 
   bool inside_;
-  int priority_;  // 1 to 99: before all ordinary threads; 0: one of them
+  int priority_;  // 1 to 99: before all ordinary threads; 0: ordinary
   double rate_, begun_ = 0.0;
   std::deque<Arm> arms_;
   std::vector<std::unique_ptr<ArmTopics>> topics_;

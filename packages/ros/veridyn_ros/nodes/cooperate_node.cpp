@@ -1,7 +1,8 @@
-// Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
-// of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
-// the force wanted in a member, as the thesis's keyboard node does. Each arm publishes NAME/measured_js and NAME/tip, each member
-// MEMBER/force, so that a bag of it is a recording of every arm. With ~phases true the scenario's own phases come first.
+// Arms that hold an object, commanded by topics: a scenario of `veridyn cooperate` under run_live(), the
+// cooperative controller of the thesis. Commands are those of `--live`, as lines on ~command; cmd_vel is the
+// object's velocity, and cmd_force is added to the reference force of a member, as in the thesis's keyboard
+// node. Each arm publishes NAME/measured_js and NAME/tip, each member MEMBER/force, so that a bag of them is
+// a recording of every arm. With ~phases true the scenario's own phases run first.
 
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/Twist.h>
@@ -44,7 +45,7 @@ class TopicLines final : public LineSource {
     std::memcpy(line.text, text.c_str(), text.size());
     if (!lines_.push(line)) ROS_WARN_THROTTLE(1.0, "commands come faster than they are taken");
   }
-  /// Lines that are executed before all others; call it before the node runs.
+  /// Sets lines that are executed before all others; call it before the node runs.
   void prepend_script(std::deque<std::string> script) { script_ = std::move(script); }
   bool next(std::string& line) override {
     if (!script_.empty()) {
@@ -82,7 +83,7 @@ std::string line_of(const ScenarioCommand& c, const Scenario& scenario) {
   return out.str();
 }
 
-// The scenario's own phases, after a while in which subscribers connect, and then the end.
+// The scenario's own phases, after a pause in which subscribers connect, and then the end.
 std::deque<std::string> phases_of(const Scenario& scenario) {
   std::deque<std::string> out{"wait 2"};
   for (const ScenarioPhase& phase : scenario.phases) {
@@ -173,7 +174,7 @@ class Cooperation {
     lines_.push(line.str());
   }
 
-  // By the run's own clock, which is even.
+  // Publishes at the run's own steady clock.
   void publish_state(double time, const std::vector<LiveArm>& arms) {
     for (std::size_t k = 0; k < arms.size(); ++k) {
       sensor_msgs::JointState m;
@@ -187,7 +188,7 @@ class Cooperation {
     }
   }
 
-  // "t=1.200 state="tracks" master=x,y,z spring=5.0" becomes topics.
+  // Splits "t=1.200 state="tracks" master=x,y,z spring=5.0" into topics.
   void publish_state(const std::string& line) {
     std_msgs::String whole;
     whole.data = line;

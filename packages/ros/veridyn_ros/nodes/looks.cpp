@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 constexpr double kShortest = 1e-3;  // [m] of a rod
 constexpr double kSame = 1e-6;      // [m]
 
-// At this share of the joints' ranges; of joints without limits, that many radians.
+// `share` of the joints' ranges; for joints without limits, radians.
 VectorXd posture(const Model& arm, double share) {
   VectorXd q(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
@@ -35,7 +35,7 @@ VectorXd posture(const Model& arm, double share) {
 std::string shape(const Vector3d& end, const char* colour, double radius) {
   const Vector3d middle = 0.5 * end;
   const Vector3d z = end.normalized();
-  // Fixed angles that turn z to the rod: about x never, about y, then about z.
+  // Fixed angles that turn z to the rod: none about x, then about y, then about z.
   const double pitch = std::acos(std::min(1.0, std::max(-1.0, z.z()))), yaw = std::atan2(z.y(), z.x());
   char out[700];
   std::snprintf(out, sizeof out,
@@ -45,7 +45,7 @@ std::string shape(const Vector3d& end, const char* colour, double radius) {
   return out;
 }
 
-// Rods on the parent's link where a frame stands still in it, else on the frame's own.
+// Rods on the parent's link if a frame is fixed in it, else on the frame's own.
 UrdfAppearance rods(const Model& arm) {
   UrdfAppearance out;
   out[""] = "<material name=\"steel\"><color rgba=\"0.62 0.66 0.70 1\"/></material>"
@@ -68,7 +68,7 @@ UrdfAppearance rods(const Model& arm) {
   return out;
 }
 
-// The links of the URDF as frames; those of the model where this library was built without a reader.
+// The links of the URDF as frames; those of the model if this library was built without a URDF reader.
 Model links_of(const std::string& urdf, const Model& model) {
   const std::string path = "/tmp/veridyn_show_" + std::to_string(::getpid()) + ".urdf";
   std::ofstream(path) << urdf;

@@ -8,8 +8,8 @@ namespace veridyn_ros {
 
 /// An arm as RViz draws it.
 struct Looks {
-  std::string urdf;      ///< with a rod from each frame to the next; what slides is as long as it slides out
-  veridyn::Model links;  ///< a frame for every link of it, those between two joints included
+  std::string urdf;      ///< with a rod from each frame to the next; a rod that slides is as long as its travel
+  veridyn::Model links;  ///< a frame for every link of the URDF, also for those between two joints
 };
 
 /// @throws veridyn::InvalidInput  as to_urdf().

@@ -46,7 +46,7 @@ double Cycle::wait() noexcept {
 }
 
 void Spread::note(double seconds) noexcept {
-  const double x = std::max(seconds, kShortest);  // NaN becomes the shortest, too
+  const double x = std::max(seconds, kShortest);  // NaN becomes the shortest as well
   const double place = std::log(x / kShortest) / std::log(kStep);
   ++counts_[static_cast<std::size_t>(std::min(place, static_cast<double>(counts_.size() - 1)))];
   ++all_;

@@ -9,28 +9,28 @@
 
 namespace veridyn_ros {
 
-/// Positions that came from an arm's motors, and torques to be sent to them.
+/// Positions from an arm's motors, and torques to be sent to them.
 struct MotorState {
   double q[kMostJoints] = {}, dq[kMostJoints] = {}, tau[kMostJoints] = {};
   bool powered = true;  ///< torques take effect
-  double stamp = 0.0;  ///< [s] of the steady clock, when it came
-  double said = 0.0;   ///< [s] of ROS' clock, as the message has it
+  double stamp = 0.0;  ///< [s] of the steady clock at arrival
+  double said = 0.0;   ///< [s] of ROS' clock, from the message
   bool seen = false;
 };
 struct MotorTorque {
   double tau[kMostJoints] = {};
   double stamp = 0.0;
-  double said = 0.0;  ///< [s] of ROS' clock: stamp of the positions that they answer; 0: unknown
+  double said = 0.0;  ///< [s] of ROS' clock: stamp of the positions that the torques are for; 0: unknown
 };
 
 /// [s] of a clock that never jumps.
 double steady_now() noexcept;
 
-/// Waits until the next cycle; never tries to catch up with cycles that were missed.
+/// Waits until the next cycle; cycles that were missed are skipped.
 class Cycle {
  public:
   explicit Cycle(double period);
-  /// @returns [s] since the last call, as it was.
+  /// @returns [s] since the last call.
   double wait() noexcept;
   double latest() const { return latest_; }  ///< [s] by which the last cycle began too late
 
@@ -42,7 +42,7 @@ class Cycle {
 class Spread {
  public:
   void note(double seconds) noexcept;
-  /// [s] that this share of the times does not exceed, to 5 %; 0 without any.
+  /// [s] quantile of the times, to 5 %; 0 if there are none.
   double quantile(double share) const noexcept;
   double worst() const noexcept { return worst_; }
 
@@ -55,10 +55,10 @@ class Spread {
 /// Timing of a loop.
 struct LoopFigures {
   double cycles = 0.0, mean_period = 0.0, overruns = 0.0;
-  Spread late;     ///< [s] after its time that a cycle began
+  Spread late;     ///< [s] by which a cycle began late
   Spread compute;  ///< [s] of a cycle
 
-  /// "600000 cycles of 1.000 ms, ...; processor 31 % of a core": for the end of a run of `seconds`.
+  /// "600000 cycles of 1.000 ms, ...; processor 31 % of a core", of a run of `seconds`.
   std::string sentence(double seconds) const;
 };
 

@@ -9,8 +9,8 @@
 
 namespace veridyn_ros {
 
-/// Hands the efforts of NAME/io/servo_jf to the loop; a message with another number of efforts than
-/// the arm has joints, or with one that is not finite, is left out with a warning.
+/// Passes the efforts of NAME/io/servo_jf to the loop; a message with another number of efforts than the arm
+/// has joints, or with a value that is not finite, is dropped with a warning.
 void receive_torques(const std::string& arm, int joints, const sensor_msgs::JointState& message,
                   Snapshot<MotorTorque>& to_loop);
 

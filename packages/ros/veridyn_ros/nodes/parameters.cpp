@@ -27,7 +27,7 @@ VectorXd middle(const Model& arm) {
   return q;
 }
 
-// Reports once that the master is gone: existing connections continue, new ones fail.
+// Warns once if the master is gone: existing connections continue, new ones fail.
 void watch_master(const std::string& name) {
   constexpr int kPause = 20;  // tenths of a second
   bool there = true;

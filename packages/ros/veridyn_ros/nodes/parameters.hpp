@@ -9,9 +9,9 @@
 
 namespace veridyn_ros {
 
-/// One arm of a node's parameters: ~arms is a list of names, ~NAME/model a robot file or MODEL,
-/// ~NAME/start its joints at the start, ~NAME/tip a frame, ~NAME/seed of plausible values where the
-/// file has none.
+/// One arm of a node's parameters: ~arms is a list of names, ~NAME/model a robot file or MODEL, ~NAME/start
+/// the initial joint positions, ~NAME/tip a frame, ~NAME/seed the seed of plausible values for a file without
+/// values.
 struct ArmParameters {
   std::string name;
   veridyn::Model model;
@@ -19,8 +19,8 @@ struct ArmParameters {
   std::string tip;
 };
 
-/// @throws veridyn::InvalidInput  no arms, no model, a start of another size: one line that names
-///                                the parameter.
+/// @throws veridyn::InvalidInput  no arms, no model, or a start of another size: one line that names the
+/// parameter.
 std::vector<ArmParameters> read_arms(const ros::NodeHandle& own);
 
 /// Runs `main` of a node: an error is reported in one line, with the tool's exit status 3.

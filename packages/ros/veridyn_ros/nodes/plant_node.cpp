@@ -1,6 +1,6 @@
-// Simulated arms behind topics, as boards would be: NAME/io/measured_js at the loop's rate,
-// NAME/io/servo_jf. Without torques for some milliseconds brakes hold an arm. With ~clock true it
-// publishes /clock, which other nodes then use as their clock (/use_sim_time).
+// Simulated arms with the topics of boards: NAME/io/measured_js at the loop's rate, NAME/io/servo_jf. If no
+// torques arrive for some milliseconds, brakes hold an arm. With ~clock true it publishes /clock, which other
+// nodes then use as their clock (/use_sim_time).
 
 #include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/JointState.h>
@@ -26,7 +26,7 @@ using veridyn::VectorXd;
 struct Arm {
   std::unique_ptr<veridyn::Engine> plant;
   std::optional<veridyn::JointSensors> sensors;
-  VectorXd q, dq, tau;  // as sensors and drives count them
+  VectorXd q, dq, tau;  // as measured by the sensors, and in the drives' scale
   VectorXd acting;
   Snapshot<MotorTorque> asked;
   MotorTorque now;

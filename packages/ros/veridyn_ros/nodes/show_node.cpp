@@ -1,7 +1,9 @@
-// Input of RViz: NAME/robot_description (URDF with rods for links), transforms of all its links, and ~markers: forces at the
-// tips, their paths, members between them. Arms are those of ~arms, or of ~scenario, which is what veridyn_cooperate runs.
+// Input of RViz: NAME/robot_description (URDF with rods for links), transforms of all its links, and
+// ~markers: forces at the tips, their paths, members between them. Arms are those of ~arms, or of ~scenario,
+// as run by veridyn_cooperate.
 //
-// A force at a tip is NAME/measured_cf, which knows an arm's base; a member's is MEMBER/force, pulling positive.
+// The force at a tip is NAME/measured_cf, in the arm's base; a member's is MEMBER/force, positive if it
+// pulls.
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <sensor_msgs/JointState.h>
@@ -26,14 +28,14 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using visualization_msgs::Marker;
 
-constexpr std::size_t kTrail = 400;        // places of a tip that are kept
+constexpr std::size_t kTrail = 400;        // number of positions of a tip that are shown
 constexpr double kTrailStep = 0.0005;      // [m] between them
-constexpr double kLeastForce = 0.05;       // [N] that is shown
+constexpr double kLeastForce = 0.05;       // [N] least force that is shown
 
 struct Arm {
   Arm(std::string its_name, Model links) : name(std::move(its_name)), model(std::move(links)) {}
   std::string name;
-  Model model;  // all links of its URDF
+  Model model;  // all links of the URDF
   int tip = 0;
   Isometry3d base = Isometry3d::Identity();  // in the world
   VectorXd q;

@@ -1,5 +1,5 @@
-// veridyn::Watch on an arm's measured_js: events as lines of JSON on NAME/watch/event, where it
-// stands on NAME/watch/strength (1: an alarm).
+// veridyn::Watch on an arm's measured_js: events as lines of JSON on NAME/watch/event; the statistic over its
+// threshold on NAME/watch/strength (above 1: an alarm).
 
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64.h>

@@ -11,9 +11,9 @@
 namespace veridyn {
 
 struct AxesOptions {
-  /// Pairs of bodies between which axes are sought; empty: all pairs that turn about one axis,
-  /// neighbours in the file first, without a loop. Requested pairs may close loops, which then have
-  /// to fit as well. "world" is the frame of the cameras.
+  /// Pairs of bodies between which axes are sought. Empty: all pairs that turn about one axis, neighbours in
+  /// the file first, without loops. Requested pairs may close loops, which then have to fit as well. "world"
+  /// is the frame of the cameras.
   std::vector<std::pair<std::string, std::string>> between;
   int fewest_frames = 10;       ///< frames in which both bodies are seen; fewer are refused
   int most_frames = 1500;       ///< frames used at most; a longer recording is thinned evenly
@@ -22,8 +22,8 @@ struct AxesOptions {
   int threads = 1;
 };
 
-/// An axis of rotation between two bodies, written in the frame of the cameras while `a` rests and
-/// the pair turns; if `a` never rests, at the first frame that shows all bodies.
+/// An axis of rotation between two bodies, in the frame of the cameras while `a` rests and the pair turns; if
+/// `a` never rests, at the first frame that shows all bodies.
 struct CalibratedAxis {
   std::string a, b;
   Eigen::Vector3d direction{0, 0, 1};
@@ -35,9 +35,9 @@ struct CalibratedAxis {
   double wobble = 0.0;
   double play = 0.0;  ///< [m] rms translation, likewise
   int frames = 0;     ///< frames in which `a` rested and the pair turned; 0: none
-  /// The other axes join the pair already, so that this one closes a loop with them.
+  /// The pair is already connected by other axes, so that this one closes a loop with them.
   bool closes_loop = false;
-  /// [m] rms by which the loop misses itself here beyond what the markers' noise explains
+  /// [m] rms gap of the loop here, beyond the noise of the markers
   double loop_play = 0.0;
 };
 
@@ -45,11 +45,11 @@ struct CalibratedAxis {
 struct CalibratedLink {
   int first = 0, second = 0;  ///< index of the first axis in the list
   std::string body;           ///< body that carries both
-  /// [m] along the common normal. Where the data cannot distinguish the axes from parallel ones the
-  /// common normal is not unique, and this is plane_parallel_distance.
+  /// [m] along the common normal. If the data cannot distinguish the axes from parallel ones, the common
+  /// normal is not unique, and this equals plane_parallel_distance.
   double distance = 0.0;
-  /// [m] in the plane across the mean direction of both, level with the body's markers: the distance
-  /// of thesis Table 4.1. Axes more than 10 deg apart share no such plane: `distance`.
+  /// [m] in the plane perpendicular to the mean direction of both, level with the body's markers: the
+  /// distance of thesis Table 4.1. For axes more than 10 deg apart there is no such plane: equals `distance`.
   double plane_parallel_distance = 0.0;
   double twist = 0.0;  ///< [rad] angle between the directions, 0 to pi/2
   double distance_half_width = 0.0, plane_half_width = 0.0, twist_half_width = 0.0;  ///< 95 %
@@ -78,7 +78,7 @@ struct AxesCalibration {
   std::vector<std::string> cannot_tell;  ///< pairs for which no axis was found, with the reason
   double rms = 0.0;                      ///< [m] of one coordinate of a marker
   double correlation = 1.0;              ///< frames per independent frame
-  std::vector<double> residuals;         ///< [m] every coordinate, outliers left out
+  std::vector<double> residuals;         ///< [m] of every coordinate, without outliers
   /// For drawings: markers of all bodies at the reference, (3 x markers), by body.
   std::vector<std::pair<std::string, MatrixXd>> shapes;
 

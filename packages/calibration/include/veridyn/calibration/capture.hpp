@@ -40,12 +40,12 @@ struct PoseCapture {
   std::string source;
   std::string body;
   VectorXd time;  ///< (frames) [s]
-  MatrixXd q;     ///< (frames x joints) [rad] or [m] as recorded; no columns where there are none
+  MatrixXd q;     ///< (frames x joints) [rad] or [m] as recorded; no columns without joints
   std::vector<Eigen::Isometry3d> poses;  ///< T_camera_body, translation in [m]
   bool has_orientation = true;           ///< false: only positions were recorded
   std::vector<long> rows;                ///< row numbers of these frames in the file, from 0
   long file_rows = 0;                    ///< rows of the file, including frames with gaps
-  std::string fault;                     ///< reason why the markers give no pose; empty: they do
+  std::string fault;                     ///< reason if the markers give no pose; empty if they do
 
   int frames() const { return static_cast<int>(poses.size()); }
 };
@@ -62,9 +62,9 @@ struct PoseCapture {
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".
 MarkerCapture read_markers(const std::string& path, const CaptureOptions& options = {});
 
-/// Reads the pose of one body: t,q1..qn,x,y,z,qw,qx,qy,qz, joints and orientation optional; or one
-/// body of any layout of read_markers(), its pose fitted to its markers (three or more, the body's
-/// frame in their mean, turned as the cameras' at the first frame). Frames with gaps are left out.
+/// Reads the pose of one body: t,q1..qn,x,y,z,qw,qx,qy,qz, where joints and orientation are optional; or of
+/// one body in any layout of read_markers(), fitted to its markers (three or more; the body's frame is at
+/// their mean, with the axes of the cameras at the first frame). Frames with gaps are dropped.
 /// @throws InvalidInput  as read_markers(), or several bodies of which none is chosen.
 PoseCapture read_poses(const std::string& path, const CaptureOptions& options = {});
 

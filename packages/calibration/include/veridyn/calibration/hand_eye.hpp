@@ -24,7 +24,7 @@ const char* name_of(HandEyeForm form);
 
 struct HandEyeOptions {
   std::optional<HandEyeForm> form;  ///< nullopt: the form with the fewest unknowns that fits
-  double smallest_swing = 1.0;      ///< [deg] rms turn about a second axis; less is refused
+  double smallest_swing = 1.0;      ///< [deg] smallest rms turn about a second axis
 };
 
 /// Pose between two arms, or between an arm and a camera, by nonlinear least squares with Huber's
@@ -41,7 +41,7 @@ struct HandEye {
   std::optional<Eigen::Isometry3d> other;
   double other_radius = 0.0, other_radius_angle = 0.0;
   int pairs = 0, outliers = 0;
-  double rms = 0.0;        ///< [m] of positions, outliers left out
+  double rms = 0.0;        ///< [m] of positions, without outliers
   double rms_angle = 0.0;  ///< [rad] of orientations; 0 where only positions are used
   std::vector<Eigen::Vector3d> residuals;  ///< [m] of positions, by pair
   std::vector<double> residual_angles;     ///< [rad]
@@ -49,7 +49,7 @@ struct HandEye {
   struct Alternative {
     HandEyeForm form;
     double rms, rms_angle;
-    std::string reason;  ///< reason why it was not identifiable; empty: it was fitted
+    std::string reason;  ///< reason if it is not identifiable; empty: it was fitted
   };
   std::vector<Alternative> forms;  ///< all forms that were tried
 

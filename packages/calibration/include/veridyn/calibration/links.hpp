@@ -11,10 +11,10 @@
 
 namespace veridyn {
 
-/// Prior knowledge of the robot base in the cameras' frame, or of the tracked body on the robot's
-/// frame.
+/// Assumption about the pose of the robot's base in the frame of the cameras, or of the tracked body in its
+/// frame of the robot.
 enum class AttachedPose {
-  kAutomatic,  ///< known if the robot file's poses are near and fit as well, else free
+  kAutomatic,  ///< known if the robot file's poses are close and fit equally well, else free
   kKnown,      ///< the two coincide
   kFree,       ///< six unknowns, or three where only positions are recorded
 };
@@ -23,7 +23,7 @@ struct LinksOptions {
   std::string frame;  ///< Tracked frame; empty: the last frame of the longest chain
   AttachedPose base = AttachedPose::kAutomatic;
   AttachedPose tool = AttachedPose::kAutomatic;
-  int most_named = 6;     ///< wrong constants named at most; more count as many small errors
+  int most_named = 6;     ///< largest number of wrong constants to report; more count as many small errors
   double outlier = 5.0;   ///< standard deviations beyond which a pose is an outlier
   int threads = 1;
 };
@@ -58,9 +58,9 @@ struct LinksCalibration {
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< T_camera_base
   Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();  ///< T_frame_body
   std::vector<LinkConstant> constants;
-  /// Constants that differ from the file, most significant first; empty where all changed a little.
+  /// Constants that differ from the file, most significant first; empty if all changed a little.
   std::vector<int> named;
-  bool explained = false;  ///< the named ones (or none) explain the poses as well as all
+  bool explained = false;  ///< the reported ones (or none) explain the poses as well as all constants do
   double rms_file = 0.0;      ///< [m] of positions, with the file's constants
   double rms = 0.0;           ///< [m] with those found
   double rms_angle = 0.0;     ///< [rad] of orientations
@@ -83,9 +83,9 @@ struct LinksCalibration {
 LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
                                  const LinksOptions& options = {});
 
-/// Compares a wrong constant found from torques with the estimate from the poses, in one line: the
-/// same constant, another one, or nothing wrong.
-/// @param frame, name, found  of the constant as `diagnose` names it: "theta", "ratio of pitch".
+/// Compares a wrong constant that was found from torques with the estimate from the poses, in one line: the
+/// same constant, another one, or no error.
+/// @param frame, name, found  of the constant as `diagnose` reports it: "theta", "ratio of pitch".
 std::string compare_wrong_constant(const LinksCalibration& links, const std::string& frame,
                                    const std::string& name, double found, double low, double high);
 

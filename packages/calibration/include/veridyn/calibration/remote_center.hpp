@@ -24,7 +24,7 @@ struct RemoteCenterOptions {
 /// length of `tip`. Half widths are those of 95 % intervals, with correlated frames counted once.
 struct RemoteCenter {
   CalibrationStatus status = CalibrationStatus::kCannotAnswer;
-  std::string reason;  ///< reason why it is not identifiable; empty where it is
+  std::string reason;  ///< reason if it is not identifiable; empty if it is
   std::string source, body;
   int frames = 0, outliers = 0;
   Eigen::Vector3d rcm{0, 0, 0};  ///< [m] in the frame of the cameras (b_post)
@@ -42,7 +42,7 @@ struct RemoteCenter {
   double correlation = 1.0;        ///< frames per independent frame
   std::vector<Eigen::Vector3d> points;   ///< rcm computed from each single frame
   std::vector<char> is_outlier;          ///< by frame
-  std::vector<Eigen::Isometry3d> poses;  ///< Poses that it was fitted to
+  std::vector<Eigen::Isometry3d> poses;  ///< poses to which it was fitted
 
   std::string report() const;
 };

@@ -5,7 +5,7 @@ namespace veridyn {
 /// Outcome of a calibration.
 enum class CalibrationStatus {
   kDone,
-  kCannotAnswer,  ///< `reason` says what is missing
+  kCannotAnswer,  ///< `reason` states what is missing
 };
 
 }  // namespace veridyn

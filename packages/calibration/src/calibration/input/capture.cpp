@@ -52,7 +52,7 @@ MarkerCapture markers_of(const CaptureTable& table) {
   for (const CapturedObject& object : table.objects) {
     const std::size_t slash = object.name.find('/');
     if (object.has_orientation) {
-      // Poses are redundant where the file has markers.
+      // Poses are redundant if the file has markers.
       if (!any_marker) add_pose(object, out);
       out.from_poses = out.from_poses || !any_marker;
       continue;

@@ -82,7 +82,7 @@ CaptureHeader motive_header(CsvLines& lines, const Fields& first) {
         continue;
       }
       const int at = static_cast<int>(axis);
-      // A body's markers have more information than the pose that the program fitted to them.
+      // The markers of a body have more information than the pose that the program fitted to them.
       header.columns.push_back(component(marker_object(names[k]),
                                          !quaternion               ? at
                                          : row[k] == "W"           ? 3

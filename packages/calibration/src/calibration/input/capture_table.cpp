@@ -17,10 +17,10 @@ namespace {
 using Kind = CaptureColumn::Kind;
 
 constexpr double kQuaternionNorm = 0.02;  // tolerance of a recorded quaternion's norm
-constexpr double kLargest = 50.0;  // [m] beyond the range of cameras: the unit must be another one
+constexpr double kLargest = 50.0;  // [m] positions beyond the range of cameras: the unit must be another one
 constexpr double kLargestAngle = 2.0 * M_PI + 1e-6;  // [rad] of a rotation vector
 constexpr int kComponents = 7;
-constexpr int kRead = 10;  // with a rotation vector, which becomes the quaternion
+constexpr int kRead = 10;  // number of components with a rotation vector, which becomes the quaternion
 
 // Assembles rows into frames; a frame is one row (wide), or the rows of one time (long).
 class Reader {
@@ -233,7 +233,7 @@ class Reader {
   bool is_long_ = false;
   bool has_positions_ = false;
   std::size_t joints_ = 0;
-  std::vector<double> metres_;  // per unit, of each column
+  std::vector<double> metres_;  // metres per unit of each column
   std::vector<double> times_;
   std::vector<long> lines_of_;
   std::vector<std::vector<double>> q_;

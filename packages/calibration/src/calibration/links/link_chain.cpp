@@ -111,7 +111,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     const std::size_t own = frame.dh ? 4 : 6;
     const bool turns = frame.type == JointType::kRevolute;
     const bool slides = frame.type == JointType::kPrismatic;
-    // The joint variable without the constant of its row.
+    // The offset of the joint variable, without the constant of its row.
     double s = frame.dh ? 0.0 : frame.variable.offset;
     std::size_t ratios = 0;
     while (entry + own + ratios < parameters_.entries().size() &&

@@ -45,8 +45,8 @@ LinkNormal link_normal(LinkChain& chain, const LinkData& data, const VectorRef& 
 /// Root mean square of the errors, with or without outliers.
 double rms_of(const std::vector<double>& errors, const LinkData& data, bool with_outliers);
 
-/// Poses of base and tool for which the unmodified robot comes nearest to the measured poses: A X =
-/// Y B, or the linear problem of positions alone. Fixed ones stay the identity.
+/// Poses of base and tool for which the unmodified robot is closest to the measured poses: A X = Y B, or the
+/// linear problem of positions alone. Fixed poses stay the identity.
 void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Eigen::Isometry3d& base, Eigen::Isometry3d& tool);
 

@@ -17,7 +17,7 @@ constexpr double kStep = 1e-6;  // step of the differences in a constant
 
 bool is_angle(const FrameConstant& constant) { return unit_of(constant) == "rad"; }
 
-// Lengths before angles: among confounded constants the first is named.
+// Lengths come before angles: the first one of several confounded constants is reported.
 int rank(const FrameConstant& constant) {
   if (constant.joint) return 3;
   if (!is_angle(constant)) return 0;
@@ -87,7 +87,7 @@ void LinkParameters::collect_parameters(bool base_free, bool tool_free, bool ori
   });
   for (const int k : order) {
     const LinkEntry& e = entries_[k];
-    // A joint that drives its own frame has no ratio.
+    // The coefficient of a joint that drives its own frame is no gear ratio.
     if (e.constant.joint && std::abs(e.value) == 1.0) continue;
     all_.push_back({Kind::kEntry, k, name_of(arm_, e.constant),
                     arm_.frames()[e.constant.frame.value].name, unit_of(e.constant), e.value});
@@ -113,7 +113,7 @@ std::map<std::string, double> LinkParameters::constants(const VectorRef& x) cons
     set.insert(p.name);
   }
   if (set.empty()) return out;
-  // Recomputes constants that depend on others; a chain of n needs n rounds.
+  // Recomputes constants that depend on others; a chain of n constants needs n rounds.
   for (std::size_t round = 0; round < out.size(); ++round) {
     for (auto& [name, value] : out) {
       const auto formula = arm_.description().formulas.find("constants/" + name);
@@ -158,7 +158,7 @@ Model LinkParameters::applied(const VectorRef& x) const {
   ModelDescription d = arm_.description();
   d.constants = constants(x);
   std::vector<std::pair<FrameConstant, double>> set;
-  // Frames off the path depend on the named constants too.
+  // Frames that are not on the path depend on the named constants too.
   for (int k = 0; k < static_cast<int>(d.frames.size()); ++k) {
     for (const FrameConstant& constant : constants_of(arm_, {k})) {
       const auto formula = d.formulas.find(formula_key(arm_, constant));
@@ -175,7 +175,7 @@ Model LinkParameters::applied(const VectorRef& x) const {
     if (parameter.kind == Kind::kZero)
       d.coordinates[parameter.index].recorded.position_offset += x[p];
   }
-  // Values identified with the old geometry keep their numbers and lose their statistics.
+  // Values identified with the old geometry are kept, but their statistics are dropped.
   d.identified.reset();
   return Model(std::move(d));
 }

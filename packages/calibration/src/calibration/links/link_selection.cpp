@@ -50,8 +50,8 @@ std::string combined_parameters(const LinkParameters& parameters, const BasePara
   return names;
 }
 
-// The uncertainty of the worst of the active parameters over its bound, and its place. Poses of base
-// and tool are always needed.
+// The largest uncertainty among the active parameters, relative to its bound, and its index. Poses of base
+// and tool are never removed.
 struct Loosest {
   int at = -1;
   double share = 0.0;
@@ -70,9 +70,9 @@ Loosest most_uncertain(const LinkParameters& parameters, const LinkNormal& norma
   return out;
 }
 
-// Removes parameters whose uncertainty is too large, worst first. A parameter that was dependent on
-// them can then be well determined: an encoder zero beside two lengths that hardly differ in their
-// effect. Such parameters are added, or their part of the errors would stay unexplained.
+// Removes parameters whose uncertainty is too large, worst first. Afterwards a parameter that depended on
+// them may be well determined: an encoder zero after two lengths of nearly equal effect. Such parameters are
+// added, because their part of the errors would remain unexplained.
 void drop_uncertain(const LinkParameters& parameters, const LinkNormal& normal, LinkChoice& out) {
   std::vector<int> removed;
   for (;;) {

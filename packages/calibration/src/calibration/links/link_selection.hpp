@@ -15,9 +15,9 @@ struct LinkChoice {
   double rank_gap = 0.0;
 };
 
-/// Independent columns in the order of the parameters, by the code for base parameters; then, if
-/// `leave_out_loose`, parameters whose uncertainty would be too large are removed one by one, worst
-/// first, and dependent ones that are well determined without these take their place.
+/// Independent columns in the order of the parameters, determined as for base parameters. If
+/// `leave_out_loose`, parameters with too large an uncertainty are then removed one by one, worst first, and
+/// replaced by dependent ones that are well determined without them.
 LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal, bool leave_out_loose = true);
 
 /// Deviations of the active parameters, (active), for residuals of variance one.

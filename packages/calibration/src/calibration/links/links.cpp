@@ -35,14 +35,14 @@ int last_frame(const Model& arm) {
   return best;
 }
 
-// One hypothesis about base and tool: its parameters, fitted in full.
+// One hypothesis about base and tool, with its parameters and their full fit.
 struct Attachment {
   bool base_free = false, tool_free = false;
   std::unique_ptr<LinkParameters> parameters;
   std::unique_ptr<LinkChain> chain;
   LinkData data;
   LinkChoice choice;
-  VectorXd start, x;  // base and tool fitted alone; everything identifiable fitted
+  VectorXd start, x;  // base and tool fitted alone; all identifiable parameters fitted
   std::vector<int> attached;  // parameters of base and tool
 };
 
@@ -123,7 +123,8 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
   return as_good ? std::move(known) : std::move(free);
 }
 
-// The fewest constants beside base and tool that explain the poses as well as all of them.
+// The smallest set of constants, in addition to base and tool, that explains the poses as well as all of them
+// do.
 struct Explanation {
   bool complete = false;
   std::vector<int> named;
@@ -138,8 +139,8 @@ std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
   return out;
 }
 
-// Relative change of a constant; constants that are zero by design change last. An encoder zero comes
-// before all others.
+// Relative change of a constant. An encoder zero comes before all other constants, constants that are zero by
+// design after them.
 double relative_change(const LinkParameter& p, const LinkGain& gain) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (p.kind == Kind::kZero && std::abs(gain.step) < (p.is_angle() ? links_numbers.homed_angle : links_numbers.homed_position))
@@ -151,7 +152,7 @@ double relative_change(const LinkParameter& p, const LinkGain& gain) {
   return change > links_numbers.misplaced ? kNever : links_numbers.preferred * change;
 }
 
-// How many of base and tool are where the file has them, with these parameters fitted.
+// Counts how many of base and tool are at the file's poses when these parameters are fitted.
 int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x,
                         double correlation) {
   const VectorXd s = deviations(link_normal(*a.chain, a.data, x), active);
@@ -169,9 +170,9 @@ int attached_as_in_file(Attachment& a, const std::vector<int>& active, const Vec
   return static_cast<int>(base) + static_cast<int>(tool);
 }
 
-// The constant with the largest gain. Among equals: those with which base and tool are where the
-// file has them, and of these the one with the smallest relative change, named ones preferred, else
-// the first in the file's order.
+// The constant with the largest gain. Among equal gains: those with which base and tool are at the file's
+// poses; of these the one with the smallest relative change, named ones preferred; else the first in the
+// file's order.
 int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<LinkGain>& gain,
               const VectorXd& x, double correlation, std::string& rivals) {
   const std::vector<LinkParameter>& all = a.parameters->all();
@@ -323,7 +324,7 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
       centre += one.step;
       deviation = one.deviation;
     }
-    if (c.why.empty() && deviation <= 0.0) {  // a named one takes its place
+    if (c.why.empty() && deviation <= 0.0) {  // a named constant replaces it
       for (const int n : e.named)
         c.why += (c.why.empty() ? "cannot be told from " : ", ") +
                  a.parameters->all()[n].full_name();
@@ -341,7 +342,7 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
   }
 }
 
-// The first joint that leaves its limits, in words: it may be recorded in other units.
+// Sentence on the first joint outside of its limits, which may be recorded in other units.
 std::string beyond_limits(const Model& arm, const PoseCapture& poses) {
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
@@ -354,7 +355,7 @@ std::string beyond_limits(const Model& arm, const PoseCapture& poses) {
   return "";
 }
 
-// Reason why the fit is none: the poses are not those of this frame at these joint positions.
+// Reason for which the fit is invalid: the poses are not those of this frame at these joint positions.
 std::string wrong_frame_reason(const Model& arm, const Attachment& a, const std::string& frame, const LinkErrors& errors) {
   const auto outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   const double angle = a.data.poses->has_orientation ? rms_of(errors.angle, a.data, false) : 0.0;

@@ -20,7 +20,7 @@ constexpr int kSweeps = 20;         // largest number of exchange sweeps
 constexpr double kWorth = 1e-6;     // increase of the log determinant below which the exchange ends
 constexpr double kSmallest = 1e-9;  // share of the candidates' information that keeps N regular
 
-using RowsOfPose = MatrixXd;  // (6 x constants), per standard deviation
+using RowsOfPose = MatrixXd;  // (6 x constants), divided by the standard deviations
 
 class Exchange {
  public:
@@ -108,7 +108,7 @@ void order_poses(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign
       if (seconds(q.row(i), at) < seconds(q.row(best), at)) best = i;
     }
     q.row(k).swap(q.row(best));
-    // The peak speed of a smooth move between rests is twice its mean.
+    // A smooth move between rests has twice the mean speed as its peak.
     now += 2.0 * seconds(q.row(k), at) + rest;
     at = q.row(k);
     out.q.row(k) = at;

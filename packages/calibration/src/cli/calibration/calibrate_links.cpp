@@ -28,7 +28,8 @@ AttachedPose attached(const std::string& word) {
   return word == "free" ? AttachedPose::kFree : AttachedPose::kAutomatic;
 }
 
-// Comparison with the wrong constant in the JSON of `diagnose`, one line; empty: it has none.
+// One line that compares the result with the wrong constant in the JSON of `diagnose`; empty without such a
+// constant.
 std::string compared(const std::string& file, const LinksCalibration& links) {
   const nlohmann::json diagnosis =
       nlohmann::json::parse(content_of_file(file, "what diagnose --json wrote"), nullptr, false);

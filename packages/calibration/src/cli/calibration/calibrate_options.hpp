@@ -15,7 +15,7 @@ void add_capture_options(CLI::App& command, CaptureOptions& options);
 /// Adds --body, to select one body of several.
 void add_body_option(CLI::App& command, CaptureOptions& options);
 
-/// Ends a calibration: writes the files, prints the report, or the reason for a failure.
+/// Ends a calibration: writes the files and prints the report, or the reason for a failure.
 /// @param json, page  contents of the files for a successful calibration.
 ExitStatus finish_calibration(bool done, const std::string& reason, const std::string& report,
                               const CommonOptions& common, const std::string& json,

@@ -47,13 +47,13 @@ enum class LoadCellFormat {
            ///< six bytes before it (uint16); all little-endian
 };
 
-/// Decodes readings from a stream of bytes and skips whatever is damaged: noise, incomplete lines,
-/// frames with a wrong CRC. Nothing allocates.
+/// Decodes readings from a stream of bytes and skips damaged data: noise, incomplete lines, frames with a
+/// wrong CRC. Nothing allocates.
 class LoadCellDecoder {
  public:
   explicit LoadCellDecoder(LoadCellFormat format) : format_(format) {}
 
-  /// Takes one byte. @returns true if it completes a reading, which raw() then returns.
+  /// Processes one byte. @returns true if it completes a reading, which raw() then returns.
   bool add_byte(std::uint8_t byte) noexcept;
   double raw() const { return raw_; }
   long rejected_readings() const { return refused_; }  ///< lines or frames that were no readings
@@ -66,7 +66,7 @@ class LoadCellDecoder {
   std::array<char, 96> line_{};
   std::size_t length_ = 0;
   bool overlong_ = false;
-  bool begun_ = false;  // false while the first, perhaps incomplete, line lasts
+  bool begun_ = false;  // false during the first line, which may be incomplete
   double raw_ = 0.0;
   long refused_ = 0;
 };
@@ -78,8 +78,8 @@ std::uint16_t crc16(const std::uint8_t* bytes, std::size_t count) noexcept;
 class ForceSource {
  public:
   virtual ~ForceSource() = default;
-  /// Takes the next reading that has arrived, without waiting. @returns the number of readings
-  /// taken, 0 if there is none; raw() is the latest.
+  /// Takes the latest reading that has arrived, without waiting. @returns the number of readings since the
+  /// previous call; raw() is the latest.
   virtual int poll() noexcept = 0;
   virtual double raw() const noexcept = 0;
   /// [s] between the arrival of the latest reading and its poll(), as far as the system knows.
@@ -96,7 +96,7 @@ std::unique_ptr<ForceSource> open_force_source(const std::string& name);
 
 /// Validity of a channel, or the reason why its readings must not be used.
 enum class ForceState {
-  kWaiting,  ///< no reading has arrived yet
+  kWaiting,  ///< no reading has arrived
   kGood,
   kDead,   ///< no new reading for longer than ForceChannelOptions::largest_silence
   kStuck,  ///< the same counts for longer than stuck_after, although readings arrive
@@ -111,11 +111,11 @@ struct ForceChannelOptions {
   double stuck_after = 0.015;      ///< [s] of readings that are equal to the last bit; 0: no check
   int stuck_readings = 5;          ///< and at least this many
   double range = 200.0;            ///< [N] readings beyond it are discarded
-  /// [N] largest step between two readings. A reading beyond it is used only once a second one
-  /// agrees with it, because a lost digit would look the same. Infinite: no check.
+  /// [N] largest step between two readings. A larger step is accepted only after a second reading confirms
+  /// it, because a lost digit would cause the same step. Infinite: no check.
   double largest_jump = std::numeric_limits<double>::infinity();
-  /// Share of unusable lines, frames and readings among the last noisy_window, beyond which the
-  /// line counts as damaged. One of 100 is a lost byte, not a loose cable.
+  /// Share of unusable lines, frames and readings among the last noisy_window, above which the line counts as
+  /// damaged. One of 100 is a lost byte, not a loose cable.
   double noisy_share = 0.05;
   int noisy_window = 100;
   double cutoff = 0.0;             ///< [Hz] of a first-order low-pass; 0: none
@@ -152,7 +152,7 @@ class ForceChannel {
   double force_ = 0.0, filtered_ = 0.0, last_raw_ = 0.0;
   double heard_ = 0.0, changed_ = 0.0;
   double begun_ = std::numeric_limits<double>::quiet_NaN();
-  double waiting_ = 0.0;  // [N] step that a second reading may confirm
+  double waiting_ = 0.0;  // [N] reading that a second one has to confirm
   bool waits_ = false, beyond_ = false, noisy_ = false;
   std::optional<long> number_;  // of the last sample
   long beyond_range_ = 0, jumps_ = 0, refused_ = 0;

@@ -14,19 +14,19 @@ namespace veridyn {
 struct LiveWait {
   double seconds = 0.0;
 };
-/// End all motion. It is carried out as soon as it arrives, also while a LiveWait lasts; lines before it that have
-/// not been carried out by then are dropped. In a script, which arrives as a whole, it has its turn.
+/// Ends all motion. It is executed on arrival, also during a LiveWait; earlier lines that have not been
+/// executed by then are dropped. In a script, which arrives as a whole, it is executed in order.
 struct LiveStop {};
-struct LiveAlive {};  ///< keeps the line alive, nothing else
+struct LiveAlive {};  ///< a sign of life without another effect
 struct LiveQuit {};   ///< end the run
-struct LiveJog {      ///< the object's velocity from now on, until the next line
+struct LiveJog {      ///< velocity of the object from now on, until the next line
   Eigen::Vector3d velocity{0.0, 0.0, 0.0};  ///< [m/s] in the master's axes
 };
 using LiveCommand =
     std::variant<ScenarioCommand, LiveJog, LiveWait, LiveStop, LiveAlive, LiveQuit>;
 
-/// One line of words separated by blanks. A line that starts with '#', or an empty one, counts as
-/// alive:
+/// Parses one line of words separated by blanks. A line that starts with '#', or an empty one, is a sign of
+/// life:
 ///
 ///   move X Y Z SECONDS           move the object [m] in the leader's axes
 ///   turn A B C SECONDS           rotate the object by Rz(C) Ry(B) Rx(A) [rad]
@@ -47,13 +47,13 @@ class LineSource {
   /// True if a whole line has arrived; `line` is set to it.
   virtual bool next(std::string& line) = 0;
   virtual bool closed() const = 0;
-  /// True for a file, to which nothing is added meanwhile: all lines, stops included, are executed in order.
+  /// True for a file, which does not grow: all lines, stops included, are executed in order.
   virtual bool is_script() const { return false; }
 };
 
-/// "-": standard input; "udp:PORT": every datagram is a line, from this machine alone unless
-/// "udp:ADDRESS:PORT" gives another address to listen on. The first sender keeps the source; lines
-/// of others are ignored.
+/// Opens "-", standard input, or "udp:PORT", where every datagram is a line and only this machine may send,
+/// unless "udp:ADDRESS:PORT" gives another address to listen on. Lines are accepted from the first sender
+/// only.
 /// @throws InvalidInput  another form, or a port that cannot be opened.
 std::unique_ptr<LineSource> open_line_source(const std::string& name);
 
@@ -62,9 +62,9 @@ struct LiveOptions {
   double pace = 1.0;           ///< simulated seconds per second; 0: as fast as possible
   /// [s] without a line after which a jog or a socket's connection counts as lost
   double silence = 0.5;
-  /// A connection is lost by silence, as on sockets; else by its end.
+  /// True: a connection is lost by silence, as on sockets; false: by its end.
   bool watches_silence = false;
-  double hold = 1.0;           ///< [s] of holding after the connection was lost
+  double hold = 1.0;           ///< [s] of holding after the connection is lost
   double longest = 3600.0;     ///< [s] longest duration of the run
   double tell = 0.1;           ///< [s] between reports, see LiveReport
 };
@@ -87,9 +87,9 @@ struct LiveReport {
 struct LiveRun {
   double time = 0.0;     ///< [s]
   long commands = 0, refused = 0;
-  bool lost = false;     ///< the connection ended or fell silent, and targets were held
+  bool lost = false;     ///< the connection ended or was silent, and targets were held
   double lost_at = 0.0;  ///< [s]
-  /// [m] largest motion of any tip later than stop_duration after the loss
+  /// [m] largest motion of any tip that is later than stop_duration after the loss
   double moved_after_loss = 0.0;
   double largest_force = 0.0;     ///< [N]
   /// [s] from the arrival of a line to the torques that result from it

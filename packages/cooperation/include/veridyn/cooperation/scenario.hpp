@@ -12,7 +12,7 @@
 
 namespace veridyn {
 
-/// Control of an arm: a position loop follows the motion, an impedance yields to forces.
+/// Control of an arm: a position loop that follows the motion, or an impedance that yields to forces.
 enum class ArmControl { kPosition, kImpedance };
 
 /// One arm of a scenario.
@@ -41,10 +41,10 @@ struct ScenarioMember {
   double stiffness = 0.0;  ///< [N/m]
   double damping = 0.0;    ///< [N s/m]
   bool pulls_only = false;
-  double slack = 0.0;  ///< [m] length beyond the distance of the arms at the start
+  double slack = 0.0;  ///< [m] length in addition to the distance of the arms at the start
   ForceSensorOptions sensor;
   ForceLaw law;
-  bool tuned = false;  ///< the law is tuned_force_law() of this member and the followers' impedance
+  bool tuned = false;  ///< use tuned_force_law() of this member and the followers' impedance
 };
 
 /// A plane that an arm's tip can touch, with a force sensor between them.
@@ -54,8 +54,8 @@ struct ScenarioWall {
   Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] point of the plane, relative to the tip's start
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< outward unit normal
   double stiffness = 0.0;                 ///< [N/m]
-  double stiffening = 0.0;  ///< [N/m^2] added per depth, as tissue does
-  double damping = 0.0;     ///< [N s/m]: Kelvin-Voigt model, as for tissue
+  double stiffening = 0.0;  ///< [N/m^2] increase of the stiffness with the depth, as of tissue
+  double damping = 0.0;     ///< [N s/m] of a Kelvin-Voigt model, as of tissue
   double drag = 0.0;        ///< [N s/m] along the plane
   ForceSensorOptions sensor;
   /// Axes of the sensor: 1 measures along the normal, 3 along the axes of the arm's frame, whose
@@ -81,13 +81,13 @@ struct ScenarioBody {
   double internal_force = 0.0;  ///< [N] between the first two hands, pulling positive
 };
 
-/// One command of a phase, given at its beginning.
+/// One command of a phase, executed at its beginning.
 struct ScenarioCommand {
   enum class Kind { kMove, kTurn, kTighten, kForce, kMoveArm, kRelease, kTake };
   Kind kind = Kind::kMove;
   Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] or [rad]
   double amount = 0.0;                 ///< [m] or [N]
-  int arm = 0, member = 0;  ///< that it is given to
+  int arm = 0, member = 0;  ///< arm or member that it concerns
   double over = 0.0;  ///< [s]
 };
 
@@ -95,9 +95,9 @@ struct ScenarioPhase {
   std::string name;
   double duration = 0.0;  ///< [s]
   std::vector<ScenarioCommand> commands;
-  double asked_force_error = 0.0;   ///< [N] largest allowed anywhere in the phase; 0: no bound
-  double asked_steady_error = 0.0;  ///< [N] likewise in its last fifth
-  double asked_position_error = 0.0;  ///< [m] of the leader's tip and of held bodies; 0: no bound
+  double asked_force_error = 0.0;   ///< [N] bound for the whole phase; 0: none
+  double asked_steady_error = 0.0;  ///< [N] bound for its last fifth; 0: none
+  double asked_position_error = 0.0;  ///< [m] bound for the leader's tip and held bodies; 0: none
 };
 
 struct ScenarioFault {
@@ -114,20 +114,20 @@ constexpr int kLongestTorqueDelay = 1000;  ///< [cycles]
 /// Settings of the control loops.
 struct ScenarioControl {
   double rate = 1000.0;                 ///< [Hz]
-  double position_frequency = 15.0;     ///< [Hz] bandwidth of position loops, critically damped
+  double position_frequency = 15.0;     ///< [Hz] bandwidth of critically damped position loops
   Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< Mass of impedances, in the arm's base [kg]
   Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m]
   Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m]
   double friction = 0.5;              ///< share of the identified friction that is compensated
   double observer = 5.0;              ///< [Hz] of the observer of model errors; 0: none
   FrictionRule friction_rule = FrictionRule::kPresliding;
-  bool adaptive_friction = false;     ///< scale it while arms move, see AdaptiveFriction
+  bool adaptive_friction = false;     ///< scale the friction while arms move, see AdaptiveFriction
   double velocity_cutoff = 400.0;     ///< [Hz] of the velocities from encoders
   double force_cutoff = 0.0;          ///< [Hz] of a low-pass of all force readings; 0: none
   double motor_lag = 0.0;             ///< [s] first-order lag between commanded and actual torques
   int torque_delay = 0;               ///< [cycles] additional delay of the torques, at most kLongestTorqueDelay
-  double largest_force = 20.0;        ///< [N] beyond which the task ends
-  double largest_force_error = 20.0;  ///< [N] likewise, of a reading from h_d
+  double largest_force = 20.0;        ///< [N] largest force, beyond which the task ends
+  double largest_force_error = 20.0;  ///< [N] the same for the difference of a reading from h_d
   double largest_error = 0.02;        ///< [m] likewise
   double largest_age = 0.02;          ///< [s] likewise
   double stuck_force = 1.0;           ///< [N] see CooperativeOptions
@@ -141,7 +141,7 @@ struct ScenarioControl {
 /// A grid of runs; empty lists keep the scenario's own value.
 struct ScenarioSweep {
   std::vector<double> stiffness, delay, rate;  ///< [N/m], [s], [Hz] of the control loop
-  /// [N] steady error and oscillation below which a run counts as stable
+  /// [N] bound of the steady error and the oscillation of a stable run
   double stable_error = 0.0;
 };
 
@@ -160,7 +160,7 @@ struct Scenario {
   std::vector<ScenarioPhase> phases;
   std::vector<ScenarioFault> faults;
   ScenarioSweep sweep;
-  /// [N] of any member at any time, faults included; 0: no bound
+  /// [N] bound for all members at all times, faults included; 0: none
   double asked_largest_force = 0.0;
 };
 
@@ -171,8 +171,7 @@ Scenario read_scenario(const std::string& path);
 /// Sets the force law of members with a tuned law from their stiffness.
 void tune_force_laws(Scenario& scenario);
 
-/// The same from text; `path` is for messages, and models named by relative paths are sought beside
-/// it.
+/// The same from text; `path` is for messages, and models with relative paths are searched for next to it.
 Scenario parse_scenario(const std::string& content, const std::string& path);
 
 }  // namespace veridyn

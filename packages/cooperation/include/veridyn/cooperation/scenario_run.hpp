@@ -20,13 +20,13 @@ struct ArmTrace {
 
 /// One member over time, (rows) each.
 struct MemberTrace {
-  VectorXd wanted;    ///< h_d [N]; 0 while it is released
+  VectorXd wanted;    ///< h_d [N]; 0 while the member is released
   VectorXd force;     ///< true tension [N]
   VectorXd measured;  ///< [N] by the sensor
   VectorXd x_f;       ///< [m]
   VectorXd rate;      ///< dl/dt, true [m/s]; NaN on real boards, where nothing measures it
   VectorXd tracked;   ///< 1 where the member is held and its force is tracked
-  MatrixXd axes;      ///< (rows x 3) [N] on the tip, in the world, by a sensor of three axes; else empty
+  MatrixXd axes;      ///< (rows x 3) [N] on the tip, in the world, by a sensor with three axes; else empty
 };
 
 /// A held body over time, (rows x 3) each [m].
@@ -48,7 +48,7 @@ struct MemberFigures {
   int corrections = 0;         ///< samples of the last fifth in which x_f changed
   double generated = 0.0;      ///< [J] see PassivityMonitor, after the phase's commands have ended;
                                ///< NaN if the rate is unknown
-  bool tracked = false;        ///< throughout the phase
+  bool tracked = false;        ///< true during the whole phase
 };
 
 struct PhaseFigures {
@@ -61,7 +61,7 @@ struct PhaseFigures {
   double asked_position_error = 0.0;  ///< [m] bound of the leader's tip, or of the bodies; 0: none
   double asked_force_error = 0.0, asked_steady_error = 0.0;  ///< [N] bounds; 0: none
   double duration = 0.0;   ///< [s] in the scenario
-  bool cut_short = false;  ///< ended early: no bound counts as met then
+  bool cut_short = false;  ///< ended early: no bound counts as satisfied then
 
   double largest_force_error() const;   ///< [N] of the members tracked throughout; NaN: none
   double largest_steady_error() const;  ///< [N] likewise
@@ -89,7 +89,7 @@ struct ScenarioRun {
   double asked_largest_force = 0.0;  ///< [N] bound; 0: none
 
   bool complete() const { return status == StepStatus::kOk; }
-  /// Complete, and within every bound of the scenario.
+  /// True if the run is complete and within every bound of the scenario.
   bool met() const;
   std::string report() const;  ///< a table, for people
 };

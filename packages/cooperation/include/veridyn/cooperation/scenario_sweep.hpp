@@ -21,7 +21,7 @@ struct SweepPoint {
   double largest_force = 0.0;  ///< [N]
   double generated = 0.0;      ///< [J] largest of any phase after its commands
   bool stable = false;
-  std::string ended;  ///< reason for an early end; empty: complete
+  std::string ended;  ///< reason if the run ended early; empty: complete
 };
 
 /// Result of a sweep. A point is stable if the run was complete and both the steady error and half
@@ -34,8 +34,7 @@ struct ScenarioSweepResult {
   double seconds = 0.0;
 
   const SweepPoint& at(std::size_t stiffness, std::size_t delay, std::size_t rate) const;
-  /// For a stiffness and a rate, the largest delay below which all delays of the grid are stable;
-  /// -1: none.
+  /// The largest delay of the grid up to which all delays are stable, for one stiffness and rate; -1: none.
   double stable_delay(std::size_t stiffness, std::size_t rate) const;
   /// [J] largest generated energy at any stable point.
   double largest_generated_where_stable() const;
@@ -46,9 +45,9 @@ struct SweepOptions {
   std::string engine = "veridyn";
   int threads = 0;                         ///< 0: one per core
   std::function<void(double)> progress{};  ///< share done
-  /// Points that an earlier sweep has finished, by their position in `points`: they are not run again.
+  /// Points that an earlier sweep has finished, by their index in `points`: they are not run again.
   std::function<std::optional<SweepPoint>(int)> kept{};
-  /// Called once for each point that was run, from any thread.
+  /// Called for each point after its run, from any thread.
   std::function<void(int, const SweepPoint&)> keep{};
 };
 

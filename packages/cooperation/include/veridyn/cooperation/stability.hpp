@@ -35,8 +35,8 @@ struct ParameterRange {
 /// Parses "stiffness=100:20000:50". @throws InvalidInput  another form, an unknown name.
 ParameterRange parse_range(const std::string& text);
 
-/// Changes of the force readings that bring the loop to its stability limit; infinite where none is
-/// found within the search.
+/// Changes of the force readings at which the loop reaches its stability limit; infinite if none is found
+/// within the search.
 struct StabilityMargins {
   double gain = 0.0;       ///< factor on every force reading
   double phase_deg = 0.0;  ///< lag of every force reading
@@ -64,9 +64,9 @@ struct DeadbandSwing {
   double frequency = 0.0;  ///< [Hz]
 };
 
-/// A force sensor whose samples repeat after too many cycles of the loop for an analysis; a close rate is
-/// analysed in its place: within 4 % with one rate for all sensors, and with several rates where they repeat
-/// together after at most 1000 cycles.
+/// A force sensor with a sample pattern that is too long for the analysis, and the rate with which it is
+/// replaced: within 4 % if all sensors have one rate, otherwise such that their common pattern has at most
+/// 1000 cycles.
 struct ReplacedRate {
   std::string sensor;  ///< member or wall
   double rate = 0.0, analysed = 0.0;  ///< [Hz]
@@ -80,11 +80,11 @@ struct ReplacedRate {
 /// If sensors are slower than the loop the cycle repeats after `cycles` periods, and the
 /// eigenvalues belong to that many cycles.
 ///
-/// Arms are assumed to slide: viscous friction counts, dry friction does not. Dry friction stops
-/// small motions and cannot stabilise an unstable loop for large ones, so that "stable" here means
-/// stable with any dry friction. For the object's stiffness two limits are given: that of the
-/// linear loop, and that below which the scenario's own dry friction still brings it to rest, found
-/// from there by bisection over runs of the nonlinear simulation.
+/// Arms are assumed to slide: viscous friction counts, dry friction does not. Dry friction ends small
+/// motions, but cannot stabilise an unstable loop for large ones, so that "stable" here means stable with any
+/// dry friction. Two limits are given for the object's stiffness: that of the linear loop, and that below
+/// which the scenario's own dry friction still brings it to rest. The latter is searched from the former by
+/// bisection over nonlinear simulations.
 struct StabilityAnalysis {
   std::string name;
   double period = 0.0;  ///< [s] of the control loop
@@ -101,7 +101,7 @@ struct StabilityAnalysis {
   double largest_stable_stiffness = 0.0;
   double linear_stable_stiffness = 0.0;    ///< [N/m] the same for sliding arms
   int simulated_runs = 0;                  ///< number of nonlinear simulations
-  double smallest_stable_stiffness = 0.0;  ///< [N/m] lower limit, searched from there
+  double smallest_stable_stiffness = 0.0;  ///< [N/m] lower limit, searched from the scenario's own stiffness
   bool stiffness_bounded = false;          ///< false: stable up to the end of the search
   std::vector<DeadbandSwing> deadbands;
   std::vector<std::string> members;
@@ -109,7 +109,7 @@ struct StabilityAnalysis {
   std::string report() const;
 };
 
-/// @throws InvalidInput  as Experiment's models; a force sensor with less than one sample in 1000 cycles.
+/// @throws InvalidInput  an invalid model; a force sensor with less than one sample in 1000 cycles.
 StabilityAnalysis analyse_stability(const Scenario& scenario);
 
 /// Spectral radii over two parameters, at the scenario's worst equilibrium.
@@ -144,8 +144,8 @@ struct GainRecommendation {
   int tried = 0;
 };
 
-/// Searches force laws of tuned_force_law()'s form, over its crossover, the member's damping and
-/// the impedance's damping, for the fastest that stays stable while readings lag by phases up to the
+/// Searches force laws of the form of tuned_force_law(), varying the crossover, the member's damping and the
+/// impedance's damping, for the fastest law that remains stable while readings lag by phases up to the
 /// requested one, in steps of 5 degrees, and while they are amplified by half.
 /// @throws InvalidInput  no member has an impedance at either end.
 GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg);
@@ -154,16 +154,16 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg);
 struct StabilityBounds {
   int samples = 0;
   double share = 0.0;  ///< relative error of every base parameter: Scenario::model_error
-  int unstable = 0;        ///< samples whose loop is unstable
+  int unstable = 0;        ///< number of samples with an unstable loop
   double worst_radius = 0.0;
-  /// Factor on all intervals up to which every sampled corner is stable; 0: one is not even with exact
+  /// Factor on all intervals up to which every sampled corner is stable; 0: one is unstable even with exact
   /// parameters.
   double factor = 0.0;
   bool factor_bounded = false;
-  /// Guarantee of the small-gain theorem: the loop is stable for all errors of the known mass
-  /// matrices below this share, |M_known^-1/2 (M - M_known) M_known^-1/2|, of any structure and any
-  /// variation in time. Conservative. Zero, no guarantee, where the loop is unstable without errors, or samples
-  /// repeat after more than 24 cycles.
+  /// Guarantee of the small-gain theorem: the loop is stable for all errors of the known mass matrices below
+  /// this share, |M_known^-1/2 (M - M_known) M_known^-1/2|, of any structure and any variation in time.
+  /// Conservative. Zero means no guarantee: the loop is unstable without errors, or samples repeat after more
+  /// than 24 cycles.
   double guaranteed_mass_error = 0.0;
 };
 /// @throws InvalidInput  fewer than one sample.
@@ -197,7 +197,8 @@ struct StabilityModelOptions {
 };
 Scenario contact_scenario(const std::string& model, const StabilityModelOptions& options);
 
-/// Reads a scenario file, or an identified model by contact_scenario(). @throws InvalidInput  it is neither.
+/// Reads a scenario file, or an identified model by contact_scenario(). @throws InvalidInput  the file is
+/// neither.
 Scenario read_scenario_or_model(const std::string& path, const StabilityModelOptions& options);
 
 }  // namespace veridyn

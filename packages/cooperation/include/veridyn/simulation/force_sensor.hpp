@@ -17,7 +17,7 @@ struct ForceSensorOptions {
   /// samples arrive (stale).
   double stuck_from = std::numeric_limits<double>::infinity();
   double stale_from = std::numeric_limits<double>::infinity();
-  /// From jump_from on readings are off by jump_by [N] and by `drift` [N/s] more and more.
+  /// From jump_from on, readings have an error of jump_by [N], which grows by `drift` [N/s].
   double jump_from = std::numeric_limits<double>::infinity();
   double jump_by = 0.0;
   double drift = 0.0;
@@ -27,14 +27,14 @@ struct ForceSensorOptions {
 struct ForceSample {
   double force = 0.0;  ///< [N]
   double time = 0.0;   ///< [s] at which it was taken
-  std::optional<long> number{};  ///< counts samples; nothing: none has arrived
+  std::optional<long> number{};  ///< sequence number; nullopt: no sample has arrived
 };
 
 /// Simulates a force sensor. Call it once per control period, in order of time; nothing allocates
 /// after the constructor.
 class ForceSensor {
  public:
-  static constexpr double kMostUnderWay = 1e6;  ///< largest number of samples under delay, which are all kept
+  static constexpr double kMostUnderWay = 1e6;  ///< largest number of samples under delay; all of them are stored
 
   /// @param longest_period  [s] between calls.
   /// @throws InvalidInput  a rate that is not above zero, a delay, noise or step below zero, more than

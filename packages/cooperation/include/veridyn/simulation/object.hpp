@@ -9,7 +9,7 @@ namespace veridyn {
 
 /// Attachment point of an object, in a frame of an arm or in the world.
 struct Attachment {
-  std::optional<int> arm = {};  ///< index in the World; nothing: the world itself
+  std::optional<int> arm = {};  ///< index in the World; nullopt: the world itself
   int frame = 0;
   Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] in the frame, or in the world
 };
@@ -18,8 +18,8 @@ struct Attachment {
 ///
 ///   tension = K (l - l0) + C dl/dt
 ///
-/// Thesis (6.1) with the errata: the damping is on the velocity, so that it does not depend on the
-/// time step.
+/// Thesis (6.1) with the errata: the damping acts on the velocity, so that it does not depend on the time
+/// step.
 struct Member {
   std::string name;
   Attachment from, to;
@@ -41,15 +41,15 @@ double tension(const Member& member, double length, double rate) noexcept;
 /// Stored energy at that length [J].
 double elastic_energy(const Member& member, double length) noexcept;
 
-/// A plane that pushes a point out along its normal: (K + S * depth) * depth + C * rate of the depth,
-/// never below zero.
+/// A plane that pushes a point out along its normal with the force (K + S * depth) * depth + C * rate of the
+/// depth, never below zero.
 struct Wall {
   Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] on the plane, in the world
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< outward unit normal
   double stiffness = 0.0;                 ///< K [N/m]
   double stiffening = 0.0;                ///< S [N/m^2]
   double damping = 0.0;                   ///< C [N s/m]
-  double drag = 0.0;                      ///< [N s/m] along the plane, while the point is beneath it
+  double drag = 0.0;                      ///< [N s/m] along the plane, while the point is below it
   Attachment touches;
 };
 

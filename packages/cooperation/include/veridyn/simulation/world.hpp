@@ -45,7 +45,7 @@ class World {
 
   /// Sets the state of one arm. Time and energies restart at zero.
   void set_state(int arm, const VectorRef& q, const VectorRef& dq);
-  /// Changes the state of an arm at once, as in a hard impact; time goes on.
+  /// Changes the state of an arm instantaneously, as in a hard impact; time continues.
   void hit(int arm, const VectorRef& q, const VectorRef& dq);
 
   /// Advances everything by dt [s] under constant joint torques, one vector for each arm.

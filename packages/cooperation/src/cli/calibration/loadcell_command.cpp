@@ -87,7 +87,7 @@ Readings read_source(const LoadcellRequest& request) {
   return out;
 }
 
-// Two weights define a line without a residual.
+// Two weights determine a line without a residual.
 std::string calibration_report(const LoadCellCalibration& found, std::size_t readings) {
   if (!std::isfinite(found.offset_interval) || !std::isfinite(found.scale_interval)) {
     return fmt::format("{} weights, {} readings: offset {:.1f} counts, scale {:.6g} N per count; no "
@@ -146,13 +146,13 @@ ForceChannelOptions channel_options(const LoadcellRequest& request) {
   return options;
 }
 
-// Counts readings and faults: every state of the channel counts, not only the last one.
+// Counts readings and faults: all states of the channel, not only the last one.
 struct ReadingTally {
   std::string rows = "t,raw,force\n";
   double worst = 0.0, lowest = 0.0, highest = 0.0, sum = 0.0;
   long readings = 0;
   std::optional<long> last;
-  std::map<ForceState, double> seconds;  // in each state
+  std::map<ForceState, double> seconds;  // [s] duration of each state
 
   void add_reading(double t, double passed, const ForceReading& reading, const ForceChannel& channel) {
     if (reading.number > last) {

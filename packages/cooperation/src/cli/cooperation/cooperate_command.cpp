@@ -42,14 +42,15 @@ void report_assumed_values(const CooperateRequest& request, const Scenario& scen
 template <typename Result>
 void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
-  report_assumed_values(request, scenario);  // after the run, so that a refusal has one line
+  report_assumed_values(request, scenario);  // after the run, so that an error prints only one line
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(done, scenario, command));
   std::cout << done.report();
 }
 
-// A sweep whose finished points outlive a kill. Points that ended early are not kept: they take little time.
+// A sweep whose finished points survive a kill. Points that ended early are not stored: they take little
+// time.
 ScenarioSweepResult run_sweep(const CooperateRequest& request, const Scenario& scenario,
                               const std::function<void(double)>& told) {
   SweepOptions options;

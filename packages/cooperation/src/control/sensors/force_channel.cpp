@@ -48,7 +48,7 @@ double ForceChannel::delay() const {
   return options_.latency + filter;
 }
 
-// Accepts a step only if the next reading agrees with it.
+// Accepts a large step only if the next reading confirms it.
 bool ForceChannel::is_accepted(double force) noexcept {
   beyond_ = !(std::abs(force) <= options_.range) || !std::isfinite(force);
   if (beyond_) {

@@ -15,7 +15,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kMostReads = 64;         // per poll, to bound its time
-constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may take the port
+constexpr double kOwnersSilence = 1.0;  // [s] after which the port accepts another sender
 
 [[noreturn]] void refuse(const std::string& name) {
   throw InvalidInput(text("found the force source '", name,

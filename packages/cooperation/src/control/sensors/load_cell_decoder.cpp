@@ -32,9 +32,8 @@ bool field_number(const char* begin, const char* end, double& out) {
   return *stop == '\0' && std::isfinite(out);
 }
 
-// True if the part of a line before its last field is allowed: numbers, such as a time, optionally
-// after a name with a colon or an equals sign, or nothing. Other words have another meaning: "ERR
-// 12".
+// True if the part of a line before its last field is allowed: nothing, or numbers, such as a time,
+// optionally after a name with a colon or an equals sign. Other words have another meaning: "ERR 12".
 bool is_reading_prefix(const char* begin, const char* end) {
   while (end > begin && end[-1] != ':' && end[-1] != '=') {
     const char* field = end;

@@ -62,7 +62,7 @@ class TerminalLine final : public ForceSource {
   long rejected_readings() const noexcept override { return bytes_.decoder().rejected_readings(); }
 
  private:
-  // True if the device is gone; false if there are merely no data.
+  // True if the device is gone; false if there are only no data.
   bool is_unplugged(ssize_t got) const noexcept {
     if (got < 0 && errno != EAGAIN && errno != EINTR) return true;
     pollfd state{line_, POLLIN, 0};

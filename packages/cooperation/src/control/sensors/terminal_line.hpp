@@ -29,8 +29,8 @@ class WaitingBytes {
     }
     return false;
   }
-  /// One poll of a line: `read` puts bytes into buffer() and returns how many, zero: no more now. At
-  /// most 64 reads, so that the time is bounded. @returns 1: there is a reading.
+  /// One poll of a line: `read` puts bytes into buffer() and returns their number, zero if there are no more
+  /// now. At most 64 reads, to bound the time. @returns 1 if there is a reading.
   template <typename Read>
   int poll(const Read& read) {
     if (reading()) return 1;
@@ -51,8 +51,8 @@ class WaitingBytes {
   std::size_t at_ = 0, end_ = 0;
 };
 
-/// A serial line through the terminal interface of the system: for devices that libserialport does
-/// not list, such as pseudo-terminals and Bluetooth lines, and for builds without it.
+/// A serial line through the terminal interface of the system: for devices that libserialport does not list,
+/// such as pseudo-terminals and Bluetooth lines, and for builds without that library.
 /// @throws InvalidInput  it cannot be opened, is no terminal, or does not support the speed.
 std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud,
                                                 LoadCellFormat format);

@@ -18,16 +18,16 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 
-// The model in the frame of the rotated base, with plausible values where the file has none.
+// The model in the frame of the rotated base, with plausible values if the file has none.
 Model in_base(const std::string& file, const Eigen::Matrix3d& R_world_base, unsigned seed) {
   ModelDescription description = read_model(file).description();
   description.gravity = R_world_base.transpose() * description.gravity;
   return plausible_model(Model(std::move(description)), seed).arm;
 }
 
-// The arm with every base parameter wrong by `share`, up or down at random: what a controller
-// knows of it. Base parameters, because torques depend on nothing else: the single parameters
-// behind them may cancel out by the hundred.
+// The controller's model of the arm: every base parameter is wrong by `share`, with a random sign. Base
+// parameters are used because torques depend on nothing else; errors of hundreds of single parameters might
+// cancel.
 Model with_parameter_errors(const Model& arm, double share, unsigned seed) {
   if (!(share > 0.0)) return arm;
   const std::vector<StandardParameter> parameters = standard_parameters(arm);

@@ -13,18 +13,18 @@ struct ScenarioModels {
   Model real, known;
   Eigen::Matrix3d R_world_base;        ///< the true base
   Eigen::Vector3d p_world_base;        ///< [m]
-  Eigen::Matrix3d R_world_base_known;  ///< as calibration has it
+  Eigen::Matrix3d R_world_base_known;  ///< as calibrated
   Eigen::Vector3d p_world_base_known;  ///< [m]
 };
 
 /// R_world_base of Rz(c) Ry(b) Rx(a).
 Eigen::Matrix3d base_rotation(const Eigen::Vector3d& turn);
 
-/// A sentence for every file of an arm or its controller that lacks values: how many scenario_models()
-/// makes up, and by which seed. @throws InvalidInput  a file that cannot be read.
+/// A sentence for every file of an arm or its controller without values: how many values scenario_models()
+/// chooses, and with which seed. @throws InvalidInput  a file that cannot be read.
 std::vector<std::string> made_up_values(const Scenario& scenario);
 
-/// Arm `index` of the scenario. The true arm feels gravity as its turned base does.
+/// Models of arm `index` of the scenario. The true arm has the gravity of its turned base.
 /// @throws InvalidInput  the arm's model or start is invalid.
 ScenarioModels scenario_models(const Scenario& scenario, std::size_t index);
 

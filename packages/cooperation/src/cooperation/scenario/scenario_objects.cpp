@@ -12,7 +12,7 @@ ForceLaw read_law(const YamlNode& node, double stiffness) {
   law.kind =
       choice<ForceLaw::Kind>(node.at("kind"), {{"increment", ForceLaw::Kind::kIncrement},
                                                {"proportional", ForceLaw::Kind::kProportional},
-                                               {"tuned", ForceLaw::Kind::kProportional}});  // read_member() has it
+                                               {"tuned", ForceLaw::Kind::kProportional}});  // see read_member()
   law.deadband = nonnegative_or(node, "deadband", 0.0);
   law.increment = nonnegative_or(node, "increment", 0.0);
   law.gain = nonnegative_or(node, "gain", 0.0);

@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A model named by a path is sought beside the scenario; a bare name is one of the tool's.
+// A model given by a path is searched for next to the scenario; a bare name is that of a robot of the tool.
 std::string model_path(const std::string& named, const std::string& scenario) {
   const bool is_file = named.find('/') != std::string::npos || fs::path(named).has_extension();
   if (!is_file || fs::path(named).is_absolute()) return named;
   return (fs::path(scenario).parent_path() / named).string();
 }
 
-// Each has a row of numbers in every cycle of the run, and states in dense matrices of the stability analysis.
+// Each element has numbers in every row of the run, and states in dense matrices of the stability analysis.
 constexpr std::size_t kMostElements = 200;
 
 std::vector<YamlNode> elements(const YamlNode& list, const std::string& what) {
@@ -139,8 +139,8 @@ ScenarioSweep read_sweep(const YamlNode& node) {
   return sweep;
 }
 
-// Calibration errors between the bases: every arm but the leader is displaced from its believed
-// position, in a direction drawn from the seed.
+// Draws calibration errors between the bases: every arm but the leader is displaced from its assumed
+// position, in a direction that depends on the seed.
 void draw_base_errors(const YamlNode& error, Scenario& s) {
   error.allow_keys({"position", "turn"});
   const double metres = nonnegative_or(error, "position", 0.0);
@@ -160,7 +160,8 @@ void draw_base_errors(const YamlNode& error, Scenario& s) {
   }
 }
 
-// Throws if a phase has not one cycle at this rate, or if the recorded data would not fit into memory.
+// Throws if a phase does not have a single cycle at this rate, or if the recorded data would not fit into
+// memory.
 void require_memory(const Scenario& s, double rate, const YamlNode& node) {
   double seconds = 0.0;
   for (const ScenarioPhase& phase : s.phases) {

@@ -8,11 +8,11 @@ namespace veridyn {
 namespace {
 
 constexpr double kFirstFactor = 0.5, kLargestFactor = 10.0;
-constexpr int kFactorHalvings = 12;  // below the first factor
+constexpr int kFactorHalvings = 12;  // halvings below the first factor
 constexpr int kFrequencies = 160;
-constexpr int kMostLifted = 24;  // cycles: inputs of all of them make one dense matrix
+constexpr int kMostLifted = 24;  // largest number of cycles whose inputs form one dense matrix
 
-// The worst radius of a sample: a corner of the parameters' box by its seed.
+// Spectral radius of a sample: a corner of the parameters' box, chosen by its seed.
 double sampled_radius(Scenario scenario, double factor, unsigned seed) {
   scenario.seed = seed;
   scenario.model_error *= factor;
@@ -21,7 +21,7 @@ double sampled_radius(Scenario scenario, double factor, unsigned seed) {
   return worst;
 }
 
-// Factor on the intervals up to which this corner is stable; zero: not even with exact parameters.
+// Factor on the intervals up to which this corner is stable; zero: it is unstable even with exact parameters.
 double stable_factor(const Scenario& scenario, unsigned seed) {
   const auto radius = [&](double factor) { return sampled_radius(scenario, factor, seed); };
   if (radius(kFirstFactor) <= kUnstable) return first_crossing(radius, kFirstFactor, kLargestFactor, 6);
@@ -57,8 +57,8 @@ StabilityBounds bound_stability(const Scenario& scenario, int samples, int threa
   out.factor = *std::min_element(factor.begin(), factor.end());
   out.factor_bounded = out.factor < kLargestFactor;
 
-  // Small gain: the largest singular value over frequency from a torque that is missing, weighted
-  // by M_known^-1/2, to M_known^1/2 y.
+  // Small gain: the largest singular value over frequency from a missing torque, weighted by M_known^-1/2, to
+  // M_known^1/2 y.
   double largest = 0.0;
   Scenario exact = short_one;
   exact.model_error = 0.0;

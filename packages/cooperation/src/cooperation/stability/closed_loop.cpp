@@ -11,9 +11,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSameTime = 1e-9;   // [s], as ForceSensor has it
+constexpr double kSameTime = 1e-9;   // [s], as in ForceSensor
 constexpr double kLongestDelay = 1000.0;  // cycles: each is a state of a dense matrix
-constexpr int kOneByOne = 24;             // equal cycles in a row: more are a power of their map
+constexpr int kOneByOne = 24;             // equal cycles in a row, above which a power of their map is used
 
 }  // namespace
 
@@ -197,7 +197,7 @@ long ClosedLoop::cycles_since_sample(const Element& e, long k) const {
   return cycles;
 }
 
-// Cycles differ by the sensors whose samples arrive, and by how old the ones before are.
+// Classifies the cycles by the sensors whose samples arrive, and by the age of the previous samples.
 void ClosedLoop::classify_cycles() {
   std::map<std::vector<long>, int> known;
   for (int k = 0; k < hyperperiod_; ++k) {
@@ -222,7 +222,7 @@ std::vector<CycleRow> ClosedLoop::rows() const {
   return out;
 }
 
-// The latest reading that has arrived, in place of the one before; the delay line moves on.
+// Replaces the previous reading by the latest one, and shifts the delay line.
 void ClosedLoop::read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X,
                       bool& fresh) const {
   fresh = sampled(e, k - e.delay);

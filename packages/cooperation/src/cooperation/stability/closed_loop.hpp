@@ -12,7 +12,7 @@ namespace veridyn {
 struct LinearElement {
   std::optional<int> from = {}, to = {};  ///< arms; nothing: the world
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
-  double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
+  double length = 0.0;     ///< [m]; infinite for a wall, whose line does not turn
   double force = 0.0;      ///< [N] at the equilibrium, tension positive
   bool attached = true;    ///< false: released, without force
 };
@@ -33,16 +33,16 @@ struct LoopSettings {
   double wanted = 0.0;
 };
 
-/// Neighbouring cycles with one and the same map.
+/// Successive cycles with the same map.
 struct CycleRow {
   long first = 0;
   int kind = 0;   ///< of ClosedLoop::kinds()
   int count = 1;
 };
 
-/// The linearised closed loop of a scenario: one control cycle after the other, exactly as
-/// Experiment::step() does them, about a point of rest. Between cycles the arms and the object move
-/// by the matrix exponential of their equations.
+/// The linearised closed loop of a scenario about a point of rest: one control cycle after the other, in the
+/// same order as in Experiment::step(). Between cycles the arms and the object move by the matrix exponential
+/// of their equations.
 ///
 /// Sensors that are slower than the loop make it periodic: hyperperiod() cycles repeat, as
 /// sample_pattern() has it.
@@ -54,10 +54,10 @@ class ClosedLoop {
   int hyperperiod() const { return hyperperiod_; }
   double period() const { return period_; }
 
-  /// First cycle of the pattern, late enough for every delayed sample to have a number that is not below zero.
+  /// First cycle of the pattern, late enough for every delayed sample to have a nonnegative number.
   long first_cycle() const { return 1000L * hyperperiod_; }
-  /// (hyperperiod) the kind of each cycle, beginning with first_cycle(): cycles of one kind have the same map.
-  /// Kinds count from 0, in the order in which they first occur.
+  /// (hyperperiod) the kind of each cycle, beginning with first_cycle(): cycles of one kind have the same
+  /// map. Kinds are numbered from 0, in the order of their first occurrence.
   const std::vector<int>& kinds() const { return kinds_; }
   /// The hyperperiod in rows of equal cycles; short rows are given cycle by cycle.
   std::vector<CycleRow> rows() const;
@@ -73,9 +73,10 @@ class ClosedLoop {
   int joints() const { return joints_; }
 
   int correction_row(int element) const { return *element_[element].x_f; }
-  /// (states): the true force of an element.
+  /// (states): row that gives the true force of an element.
   VectorXd tension_row(int element) const;
-  /// (states): what the force law of an element reads in cycle k, before the cycle; without filter.
+  /// (states): row that gives the reading of an element's force law in cycle k, before the cycle; without
+  /// filter.
   VectorXd reading_row(int element, long k) const;
   /// True if a new sample arrives in cycle k.
   bool has_new_sample(int element, long k) const;

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// True where a line of the file begins with the key that every scenario has.
+// True if a line of the file begins with the key that every scenario has.
 bool is_scenario(const std::string& path) {
   std::ifstream file(path);
   std::string line;

@@ -8,10 +8,10 @@ namespace veridyn {
 namespace {
 
 constexpr double kLongest = 12.0;  // [s] of the iteration
-constexpr double kSettling = 1.0;  // [s] before the law acts, from a zero force
+constexpr double kSettling = 1.0;  // [s] before the law acts, from zero force
 constexpr double kLast = 1.0;      // [s] in which corrections show whether the loop oscillates
 
-// Smallest integral gain at which the loop swings.
+// Smallest integral gain at which the loop oscillates.
 double critical_gain(const LinearPoint& point, const Scenario& scenario) {
   const auto radius = [&](double gain) {
     LoopSettings s;
@@ -52,7 +52,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   }
   const int row = loop.correction_row(index);
   VectorXd x = VectorXd::Zero(loop.states());
-  // The force starts at zero: the correction lacks the stretch of the member.
+  // The force starts at zero: the correction does not contain the stretch of the member.
   const double start = point.elements[index].force / m.stiffness;
   x[row] = -start;
   const auto settling = static_cast<long>(kSettling * scenario.control.rate) / cycles * cycles;
@@ -83,7 +83,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
     least = std::min(least, force);
     most = std::max(most, force);
     if (k < last) least = most = force;
-    if (!x.allFinite()) {  // the loop diverges without corrections, too
+    if (!x.allFinite()) {  // the loop diverges even without corrections
       out.swings = true;
       out.amplitude = std::numeric_limits<double>::infinity();
       return out;

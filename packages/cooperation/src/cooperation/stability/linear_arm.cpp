@@ -8,9 +8,9 @@ namespace veridyn {
 namespace {
 
 constexpr double kStep = 1e-5;      // [rad], [m] of central differences: errors of 1e-10
-constexpr double kSlow = 0.01;      // [rad/s], [m/s]: dry friction slides, drag is small
+constexpr double kSlow = 0.01;      // [rad/s], [m/s] at which dry friction slides and drag is small
 
-// Torques of an arm at rest under a force f on the tip, in the arm's own base.
+// Torques of an arm at rest with a force f on the tip, in the arm's own base.
 VectorXd holding_torques(ArmState& state, const VectorXd& q, const VectorXd& rest,
                  const Eigen::Vector3d& f_base) {
   state.update(q, rest);
@@ -31,7 +31,7 @@ MatrixXd torque_jacobian(ArmState& state, const VectorXd& q, const Eigen::Vector
   return out;
 }
 
-// Friction that grows with the speed of a sliding arm, (n x n); dry friction is no part of it.
+// Friction that increases with the speed of a sliding arm, (n x n), without dry friction.
 MatrixXd drag_of(const Model& model, const ArmState& state) {
   FrictionOptions options;
   options.share = 1.0;

@@ -12,8 +12,8 @@ namespace veridyn {
 ///
 ///   M ddq + D dq + G q = tau + J' f,     tau = M_known y + G_known q + ...
 ///
-/// q counts from the point of rest; D and G hold friction that grows with speed and the change of
-/// gravity, springs and the resting force's moment with position.
+/// q is relative to the point of rest. D is the friction that increases with speed; G is the change of
+/// gravity, springs and the moment of the resting force with the position.
 struct LinearArm {
   MatrixXd M, D, G;          ///< (n x n), of the arm
   MatrixXd J;                ///< (3 x n) of the tip, in the world
@@ -21,7 +21,7 @@ struct LinearArm {
   MatrixXd J_known;          ///< (3 x n), in the world
   MatrixXd J_base;           ///< (3 x n) the same in the base
   MatrixXd inverse;          ///< (n x 3): joints' share of an acceleration in the base
-  MatrixXd free;             ///< (n x n): what the task leaves of a posture's acceleration
+  MatrixXd free;             ///< (n x n): null-space projection of a posture's acceleration
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] in the world
   int joints() const { return static_cast<int>(M.rows()); }

@@ -10,14 +10,14 @@ namespace {
 constexpr int kHalvings = 40;
 constexpr double kLargestGain = 1e3;
 constexpr int kPhaseSteps = 36;      // of half a turn
-constexpr double kTurnedUnstable = 1.0 + 1e-7;  // twice the size, and so less exact
+constexpr double kTurnedUnstable = 1.0 + 1e-7;  // matrix of twice the size, with larger rounding errors
 constexpr int kLongestDelay = 200;   // [cycles]
 
 double per_cycle(double radius, int cycles) {
   return std::pow(radius, 1.0 / cycles);
 }
 
-// Shares of an integral gain with which a deadband acts, by its describing function.
+// True if a force law has a deadband, which acts as a share of an integral gain (describing function).
 bool has_deadband(const Scenario& scenario) {
   return std::any_of(scenario.members.begin(), scenario.members.end(), [](const ScenarioMember& m) {
     return m.law.kind == ForceLaw::Kind::kProportional && m.law.deadband > 0.0;
@@ -105,7 +105,7 @@ double first_crossing(const std::function<double(double)>& radius, double begin,
   return end;
 }
 
-// The largest phases first: most loops that fail do so there.
+// The largest phases come first, where most unstable loops fail.
 bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, double phase) {
   const TurnedLoop turned(point, scenario);
   const int steps = std::max(4, static_cast<int>(std::ceil(phase * kPhaseSteps / M_PI)));
@@ -150,7 +150,7 @@ StabilityMargins loop_margins(const LinearPoint& point, const Scenario& scenario
     s.extra_delay = extra;
     const double radius = loop_radius(point, scenario, s);
     if (radius > kUnstable) {
-      // Between whole cycles, the logarithm of the modulus is taken for a straight line.
+      // Between whole cycles, the logarithm of the modulus is interpolated linearly.
       const double share = std::log(last) < 0.0
                                ? std::log(last) / (std::log(last) - std::log(radius))
                                : 0.0;

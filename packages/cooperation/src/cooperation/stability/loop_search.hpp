@@ -12,7 +12,7 @@ namespace veridyn {
 double loop_radius(const LinearPoint& point, const Scenario& scenario,
                    const LoopSettings& settings = {});
 
-/// Beyond this modulus per cycle the loop swings: the rounding of eigenvalues.
+/// Modulus per cycle above which the loop is unstable: one, plus the rounding of eigenvalues.
 constexpr double kUnstable = 1.0 + 1e-9;
 
 /// [N/m] ends of the search over stiffnesses.
@@ -26,7 +26,7 @@ double first_crossing(const std::function<double(double)>& radius, double begin,
 /// True if the loop is stable for phase lags of the readings up to this one [rad], in steps of 5 degrees or less.
 bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, double phase);
 
-/// Largest amplification over frequency from a torque that is missing, M^-1/2 w, to M^1/2 ddq.
+/// Largest amplification over frequency from a missing torque, M^-1/2 w, to M^1/2 ddq.
 double torque_error_gain(const LinearPoint& point, const Scenario& scenario, int frequencies);
 
 StabilityMargins loop_margins(const LinearPoint& point, const Scenario& scenario);

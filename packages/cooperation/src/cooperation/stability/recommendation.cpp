@@ -7,15 +7,15 @@
 namespace veridyn {
 namespace {
 
-constexpr double kGainReserve = 1.5;  // readings may grow by half besides
+constexpr double kGainReserve = 1.5;  // factor by which readings may also grow
 
-const RestPoint& hardest(const std::vector<RestPoint>& points, const Scenario& scenario) {
+const RestPoint& least_stable_point(const std::vector<RestPoint>& points, const Scenario& scenario) {
   return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
     return loop_radius(a.loop, scenario) < loop_radius(b.loop, scenario);
   });
 }
 
-// tuned_force_law()'s form with its crossover and its damping free.
+// A law of the form of tuned_force_law() with given crossover and damping.
 ForceLaw law_of(const ScenarioMember& m, double crossover, double member_damping,
                 double slave_stiffness, double slave_damping) {
   ForceLaw law = tuned_force_law(m.stiffness, slave_stiffness, slave_damping);
@@ -39,7 +39,7 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
   require(gives, "scenario '", scenario.name,
           "': found no member with an impedance at an end, expected one to recommend gains for.");
   const std::vector<RestPoint> points = rest_points(scenario);
-  const RestPoint& point = hardest(points, scenario);
+  const RestPoint& point = least_stable_point(points, scenario);
   const double stiffness = scenario.control.stiffness.mean();
   const double own_damping = scenario.control.damping.mean();
   const double wanted = phase_deg * M_PI / 180.0;
@@ -81,7 +81,7 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
 
 StepResponses step_responses(const Scenario& scenario) {
   const std::vector<RestPoint> points = rest_points(scenario);
-  const RestPoint& point = hardest(points, scenario);
+  const RestPoint& point = least_stable_point(points, scenario);
   LoopSettings step;
   step.wanted = 1.0;
   const ClosedLoop loop(point.loop, scenario, step);

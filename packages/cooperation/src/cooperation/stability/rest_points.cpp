@@ -15,10 +15,11 @@ using Eigen::Vector3d;
 
 constexpr int kNewtonSteps = 20;
 constexpr double kPeriod = 0.01;     // [s] of the planned motion
-constexpr double kNoCheck = 1e9;      // [N] a bound that nothing reaches
+constexpr double kNoCheck = 1e9;      // [N] a bound that is never reached
 constexpr double kLeastForce = 1.0;  // [N] contact force on a wall at the equilibrium
 
-// Joints that put the tip there, from where they are: Newton steps of the task's own inverse.
+// Sets the joints that bring the tip to its target, by Newton steps of the task's own inverse from the
+// present ones.
 void follow(const Model& model, const ScenarioArm& arm, const Vector3d& wanted_base, VectorXd& q) {
   const Tip tip{arm.frame, arm.offset};
   TipKinematics kinematics(model, tip);
@@ -52,7 +53,7 @@ class Points {
     }
     options.leader = scenario.master;
     options.period = kPeriod;
-    options.drift_force = kNoCheck;  // readings are the wanted forces, whatever the lengths imply
+    options.drift_force = kNoCheck;  // readings are the wanted forces, independent of the lengths
     for (const ScenarioMember& m : scenario.members)
       options.members.push_back({m.from, m.to, m.law, member_share(scenario, m)});
     control_ = std::make_unique<CooperativeController>(options, tips);

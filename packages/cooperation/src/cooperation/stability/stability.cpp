@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLeastSwing = 0.25;    // [N] from least to largest: more is no noise
+constexpr double kLeastSwing = 0.25;    // [N] smallest peak-to-peak force that is not noise
 constexpr double kSwingShare = 0.1;     // of the wanted force
 constexpr double kFirstStep = 1.05, kFarStep = 1.5, kOnsetAccuracy = 1.04;
 constexpr int kStiffnessSteps = 56;  // eight per decade
@@ -45,7 +45,7 @@ double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
   return linear;
 }
 
-// The first stiffness with a stable loop, in steps of 12 % from the scenario's own: downwards, and upwards where
+// The first stiffness with a stable loop, in steps of 12 % from the scenario's own: downwards, and upwards if
 // all below are unstable.
 std::optional<double> first_stable(const std::function<double(double)>& radius, double own) {
   if (radius(own) <= kUnstable) return own;
@@ -59,8 +59,8 @@ std::optional<double> first_stable(const std::function<double(double)>& radius, 
   return std::nullopt;
 }
 
-// Largest and smallest stiffness of the interval of stable ones that holds the scenario's own; of the
-// nearest one below it where the scenario's own is not stable, or of the nearest above.
+// Largest and smallest stiffness of the stable interval that contains the scenario's own; if that is
+// unstable, of the nearest interval below it, or else above it.
 void find_stiffnesses(const RestPoint& point, const Scenario& scenario, StabilityAnalysis& out) {
   const auto radius = [&](double stiffness) {
     return radius_with_deadbands(point, with_parameter(scenario, "stiffness", stiffness));
@@ -77,8 +77,8 @@ void find_stiffnesses(const RestPoint& point, const Scenario& scenario, Stabilit
   out.stiffness_bounded = out.largest_stable_stiffness < kStiffest;
 }
 
-// True if the beginning of the scenario does not come to rest in the nonlinear simulation: an arm
-// fails, the controller ends it, or the force oscillates by more than a tenth of the wanted one.
+// True if the beginning of the scenario does not come to rest in the nonlinear simulation: an arm fails, the
+// controller ends the task, or the force oscillates by more than a tenth of the wanted one.
 bool oscillates_in_simulation(Scenario scenario) {
   scenario.phases.resize(std::min<std::size_t>(scenario.phases.size(), 2));
   scenario.faults.clear();
@@ -94,7 +94,7 @@ bool oscillates_in_simulation(Scenario scenario) {
   return false;
 }
 
-// Dry friction stills more than the linear loop lets expect: steps upwards, then halves.
+// Dry friction stabilises more than the linear loop predicts: increases the stiffness in steps, then bisects.
 void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
   const bool wanted = !scenario.members.empty() && scenario.bodies.empty() &&
                       out.linear_stable_stiffness > 0.0 && out.linear_stable_stiffness < kStiffest;
@@ -198,7 +198,7 @@ StabilityAnalysis analyse_stability(const Scenario& scenario) {
     find_stiffnesses(*worst, scenario, out);
     out.linear_stable_stiffness = out.largest_stable_stiffness;
     find_simulated_onset(scenario, out);
-    // A relay looks like any gain up to its describing function's largest.
+    // A relay acts like any gain up to the maximum of its describing function.
     for (const DeadbandSwing& d : out.deadbands) {
       if (d.largest_gain > 0.0)
         out.margins.gain = std::min(out.margins.gain, d.critical_gain / d.largest_gain);

@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
 constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
-constexpr double kStands = 1e-3;     // [m/s] of a target
+constexpr double kStands = 1e-3;     // [m/s] speed of a target that rests
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
 
 class BoardRun : private BoardLoop {
@@ -96,7 +96,8 @@ class BoardRun : private BoardLoop {
     ages_.assign(sides_.size(), 0.0);
   }
 
-  // Plans the phases from where the arms are; a phase that cannot be carried out ends the run before power.
+  // Plans the phases from the present positions of the arms; if a phase cannot be executed, the run ends
+  // before power-up.
   void plan() {
     if (!options_.planned) return;
     plan_ = std::make_unique<MotionPlan>(scenario_, planned_arms());
@@ -198,7 +199,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // One cycle of the task, also while targets are held.
+  // One cycle of the task, which continues while targets are held.
   void work() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
       input_->position[k] = sides_[k]->loop().position();
@@ -210,14 +211,14 @@ class BoardRun : private BoardLoop {
     const CooperativeState state = control_->state();
     if (state != CooperativeState::kTracking) fail(describe(state), {});
     const bool holds = state != CooperativeState::kTracking || winding_;
-    // A sensor or an encoder is wrong, it is unknown which: supervisors release all arms, since neither
+    // A sensor or an encoder is wrong, and it is unknown which: supervisors release all arms, since neither
     // positions nor forces can be controlled.
     const bool unknown = state == CooperativeState::kSensorDrifted;
     if (unknown) std::fill(ages_.begin(), ages_.end(), kNever);
     for (size_t k = 0; k < sides_.size(); ++k) {
       BoardSide& side = *sides_[k];
       const bool blind = control_->sensor_failed() && !unknown;
-      // A target that its tip cannot follow comes to its own rest far from where the arm is.
+      // A target that its tip cannot follow comes to rest far from the arm.
       if (blind || state == CooperativeState::kTargetMissed) side.loop().freeze();
       if (!blind && holds && scenario_.control.guard) side.loop().hold_within(bound_, exerted_[k]);
       side.set_held(holds && !gives_up_ && !unknown && keeps_target((*targets_)[k]) && !side.loop().yields());
@@ -231,7 +232,7 @@ class BoardRun : private BoardLoop {
     activate_fault();
   }
 
-  // Neither the end of the motion nor an arm that falls moves the target.
+  // True if neither the end of the motion nor a falling arm moves the target.
   static bool keeps_target(const TipTarget& target) noexcept {
     return target.velocity.norm() < kStands && target.relief.velocity.norm() < kStands;
   }
@@ -332,7 +333,7 @@ class BoardRun : private BoardLoop {
     out_.release_at = time_;
     out_.force_at_release = largest_measured_force();
     gives_up_ = true;
-    // A healthy controller is to want less, too: else it finds that the force is missing.
+    // The wanted force of a healthy controller decreases as well; otherwise it would report a missing force.
     for (int m = 0; m < static_cast<int>(scenario_.members.size()) && why_ == nullptr; ++m)
       control_->set_force(m, std::clamp(control_->wanted_force(m), -kLeastForce, kLeastForce), options_.release);
     const double relief = scenario_.control.relief_force;
@@ -390,7 +391,7 @@ class BoardRun : private BoardLoop {
   std::unique_ptr<ScenarioRowFile> file_;
 };
 
-// Simulates the scenario without its faults, and refuses it where a bound is not met.
+// Simulates the scenario without its faults, and rejects it if a bound is not satisfied.
 void check_by_simulation(Scenario scenario) {
   scenario.faults.clear();
   bool asks = scenario.asked_largest_force > 0.0;

@@ -10,12 +10,12 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kLooking = 0.1;  // [s] of reading before power-up
-constexpr double kAfter = 0.02;   // [s] of reading after power went
-constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
-constexpr double kLeastShare = 0.5;  // of a sensor's readings: the text below says half
-constexpr double kLeastPeriods = 3.0;       // of a sensor's period, at least: less is no silence
+constexpr double kAfter = 0.02;   // [s] of reading after power-off
+constexpr double kJumpShare = 0.5;  // share of the largest force; a larger step between two readings is no force
+constexpr double kLeastShare = 0.5;  // share of a sensor's readings; a text below contains "half"
+constexpr double kLeastPeriods = 3.0;       // shortest silence, in periods of the sensor
 constexpr const char* kJumps = "jumps from one reading to the next by more than a force can";
-constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
+constexpr double kAtRest = 0.05;  // share of the velocity limits, SafetyLimits::rest_share
 constexpr double kExplained = 0.5;  // of FaultChecks::force_disagreement
 constexpr const char* kNoTorque =
     "its torques do not explain the force that the other arms' torques do: motors without torque, a wrong encoder, or a contact elsewhere";
@@ -93,12 +93,12 @@ bool BoardLoop::collect_faults(std::size_t k) noexcept {
     BoardSide::News news = sides_[k]->poll_faults(scenario_.control.largest_age);
     if (news.what == nullptr) return found;
     found = true;
-    // A wrong sensor contradicts the motors at both ends of its member, a limp arm its own alone.
+    // A wrong sensor contradicts the motors at both ends of its member, a limp arm only its own.
     if (news.unexplained && neighbours_explain_force(k)) news.what = kNoTorque;
     if (why_ == nullptr) {
       fail(news.what, static_cast<int>(k));
       faulty_joint_ = news.joint;
-    } else if (!news.old_force && later_.size() < later_.capacity()) {  // the task noticed it before
+    } else if (!news.old_force && later_.size() < later_.capacity()) {  // the task detected it earlier
       later_.push_back({news.what, static_cast<int>(k), news.joint, time_});
     }
   }
@@ -253,7 +253,7 @@ void BoardLoop::wait_for_sensors(std::vector<Sensor>& sensors) {
             " lines refused, ", std::round(static_cast<double>(numbers[k]) / (time_ - begun)),
             " readings per second where the scenario counts on ", sensors[k].rate, "); expected good readings for ",
             kHeard, " s within ", options_.sensor_patience, " s.");
-    // Lines keep the machine's time, whatever the boards' clock does.
+    // Lines use the machine's time, also with a stepped clock.
     if (options_.stepped) std::this_thread::sleep_for(std::chrono::duration<double>(period_));
   }
 }

@@ -36,19 +36,19 @@ class BoardLoop {
     double rate = 0.0;  ///< [Hz] of readings that the scenario assumes
     long jumps = 0;     ///< ForceChannel::jumps() until now
   };
-  /// Opens a source; its readings are refused where they jump by more than forces can.
+  /// Opens a source; readings that jump by more than forces can are rejected.
   Sensor open_sensor(const std::string& source, const std::string& of, double rate,
                      ForceChannelOptions options = {}) const;
-  /// The reading of a sensor under power. Whatever its channel finds wrong with it ends the run: the
-  /// reading is then older than anything.
+  /// The reading of a sensor under power. Any fault of its channel ends the run: the reading is then marked
+  /// as too old.
   ForceReading read_sensor(Sensor& sensor) noexcept;
-  /// Cycles without power until every sensor has given good readings for kHeard; age counts from
-  /// the start. @throws InvalidInput  one has not after BoardCooperationOptions::sensor_patience.
+  /// Cycles without power until every sensor has given good readings for kHeard; age counts from the start.
+  /// @throws InvalidInput  a sensor has not after BoardCooperationOptions::sensor_patience.
   void wait_for_sensors(std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
-  static constexpr double kNever = 1e3;  ///< [s] age of a reading that is not to be believed
+  static constexpr double kNever = 1e3;  ///< [s] age of a reading that must not be used
 
-  /// The arms and their joints as the boards have them, for a plan made before power.
+  /// The arms and their joints as measured by the boards, for a plan before power-up.
   std::vector<PlannedArm> planned_arms() const;
   std::vector<VectorXd> initial_state() const;
   /// @throws InvalidInput  `why` is not empty: phase p, which begins at that time [s], cannot be
@@ -90,7 +90,7 @@ class BoardLoop {
     time_ += dt_;
   }
 
-  // Cycles for so long; by the clock, since cycles may be late.
+  // Runs cycles for this duration by the clock, since cycles may be late.
   template <typename Work>
   void repeat(double seconds, Work&& work) {
     for (const double until = time_ + seconds; time_ < until;) cycle(work);
@@ -100,8 +100,8 @@ class BoardLoop {
   bool fail(const char* why, std::optional<int> arm, BoardEnd end = BoardEnd::kFault) noexcept;
   /// The cause in words, with the arm concerned.
   std::string cause() const;
-  /// Takes the new faults of arm k into the report; the first of all ends the run.
-  /// @returns whether there was one.
+  /// Adds the new faults of arm k to the report; the first of all ends the run.
+  /// @returns true if there was one.
   bool collect_faults(std::size_t k) noexcept;
   /// Follows the motion of every arm after a fault; once per cycle.
   void watch_hold() noexcept;
@@ -126,7 +126,7 @@ class BoardLoop {
   const Sensor* faulty_sensor_ = nullptr;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
-  bool gives_up_ = false;  // The pretension is being released: arms may move.
+  bool gives_up_ = false;  // the pretension is being released: arms may move
   std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:

@@ -9,12 +9,12 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kForceFactor = 1.5;      // of the controller's bound: the supervisor's own
+constexpr double kForceFactor = 1.5;      // factor on the controller's bound for the supervisor's bound
 constexpr double kAgeFactor = 10.0;       // the controller stops first
 constexpr double kOverrun = 0.05;         // [s]
 constexpr double kSensorAge = 0.02;       // [s] of positions
 constexpr double kSaturatedSeconds = 0.5;
-constexpr double kStall = 0.6;            // [s] later: the supervisor holds the arm, its boards switch it off
+constexpr double kStall = 0.6;            // [s] longer stall: the supervisor holds the arm before its boards switch it off
 constexpr int kStarts = 20;
 
 ArmSessionOptions options_of(const Scenario& scenario, const CooperatingArm& arm,
@@ -49,7 +49,7 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
       checks_(options.checks) {
   require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
           joints_, " joints, but boards for ", session_.size(), ".");
-  // Emulated boards share the machine with this program: on a busy one they answer late.
+  // Emulated boards share the machine with this program, and answer late if it is busy.
   for (int left = options.emulate ? kStarts : 1;;) {
     try {
       session_.start();
@@ -143,7 +143,7 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
   input_.force_age = age;
   tau_ = supervisor_->update(state_, input_, wanted);
   if (supervisor_->action() == SafetyAction::kMotorsOff && !cut_) {
-    cut_ = true;  // brakes engage, where it has them
+    cut_ = true;  // engages the brakes, if the arm has them
     session_.power_off();
   }
   all_.head(joints_) = tau_;
@@ -155,9 +155,9 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
 
 BoardSide::News BoardSide::poll_faults(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
-  // Boards that do not answer cost the others time; the switch-off is sent nevertheless.
-  if (now_ - heard_ > largest_age && !told_silent_) {
-    told_silent_ = true;
+  // Boards that do not answer delay the others; the switch-off is sent nevertheless.
+  if (now_ - heard_ > largest_age && !reported_silence_) {
+    reported_silence_ = true;
     deaf_ = !valid_;
     return {"its boards do not answer"};
   }

@@ -13,11 +13,11 @@
 
 namespace veridyn::dvrk {
 
-/// One arm of a scenario on its boards: link, session, control loop, safety supervisor. Nothing
-/// allocates, throws or blocks after begin(), except that a read waits for its reply_timeout.
+/// One arm of a scenario on its boards: link, session, control loop, safety supervisor. Nothing allocates,
+/// throws or blocks after begin(), except that a read waits for its reply_timeout.
 class BoardSide {
  public:
-  /// @param link  of the arm's boards, which are then looked for.
+  /// @param link  to the arm's boards, which the constructor searches for.
   /// @throws InvalidInput  as ArmSession::start(); more joints than actuators.
   BoardSide(const Scenario& scenario, std::size_t index, const CooperatingArm& arm,
             const BoardCooperationOptions& options, std::unique_ptr<DatagramLink> link);
@@ -25,7 +25,7 @@ class BoardSide {
   /// Starts control at the arm's present position. @throws InvalidInput  its boards never answered.
   void begin(const Scenario& scenario, std::size_t index);
 
-  /// Reads its boards, unless they are deaf.
+  /// Reads its boards, unless they are unresponsive.
   void read(double now) noexcept;
   void write() noexcept { session_.commit(); }
 
@@ -47,17 +47,17 @@ class BoardSide {
   struct News {
     const char* what = nullptr;
     std::optional<int> joint = {};
-    /// The measured force is of no use: its motors' torques do not explain it, or it is too old.
+    /// The measured force must not be used: the torques of the motors do not explain it, or it is too old.
     bool unexplained = false, old_force = false;
   };
   /// @param largest_age  [s] without a valid read.
   News poll_faults(double largest_age) noexcept;
 
-  /// Difference between the measured force and the one that its motors' torques explain [N]; NaN
-  /// where they are not compared.
+  /// Difference between the measured force and that explained by the motors' torques [N]; NaN if they are not
+  /// compared.
   double unexplained_force() const noexcept { return (input_.force - input_.force_expected).norm(); }
 
-  /// Position of the tip and largest speed of a joint, as a share of its limit, by the last read.
+  /// Position of the tip, and largest speed of a joint as a share of its limit, at the last read.
   const Eigen::Vector3d& tip() const { return loop_->position(); }
   double speed() const noexcept { return dq_.cwiseQuotient(velocity_).cwiseAbs().maxCoeff(); }
 
@@ -66,11 +66,11 @@ class BoardSide {
   ArmSession& session() { return session_; }
   DatagramLink& link() { return *link_; }
   const ScenarioModels& models() const { return models_; }
-  const VectorXd& q() const { return q_; }  ///< true, as far as the model knows its sensors
+  const VectorXd& q() const { return q_; }  ///< true, as far as the model contains the errors of its sensors
   const VectorXd& dq() const { return dq_; }
   const VectorXd& tau() const { return tau_; }  ///< true torques
   int joints() const { return joints_; }
-  /// (n) What the motors give, and the robot file allows [N m], [N].
+  /// Torques (n) that the motors can give and the robot file allows [N m], [N].
   VectorXd largest_torque() const;
   bool valid() const { return valid_; }
   /// True if its power is on or being switched on.
@@ -95,8 +95,8 @@ class BoardSide {
   std::unique_ptr<SafetySupervisor> supervisor_;
   VectorXd velocity_;  // limits
   FaultChecks checks_;
-  bool valid_ = false, deaf_ = false, told_silent_ = false, told_off_ = false, cut_ = false, compares_ = false;
-  int told_ = 0;  // events of the supervisor
+  bool valid_ = false, deaf_ = false, reported_silence_ = false, told_off_ = false, cut_ = false, compares_ = false;
+  int told_ = 0;  // number of reported events of the supervisor
   double now_ = 0.0, heard_ = 0.0;  // [s] of this cycle and of the last valid read
   std::optional<double> acted_;     // [s] of the supervisor's last update
 };

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kLargestLatency = 0.06;  // [s] end of the search
 
-// The leader: weightless, with forces at its tip and brakes for joints that the tip does not need.
+// The leader: gravity is compensated, with forces at its tip and brakes for joints that do not move the tip.
 class LeaderLoop {
  public:
   LeaderLoop(const Model& model, const Tip& tip, const VectorXd& q)
@@ -97,8 +97,8 @@ class TeleoperationLoop : private BoardLoop {
   BoardSide& leader() { return *sides_[leader_]; }
   BoardSide& follower() { return *sides_[follower_]; }
 
-  // An operator's motion is unknown; the steps of an emulated hand are known, and steps that the follower
-  // cannot execute are refused.
+  // An operator's motion is unknown. The steps of an emulated hand are known, and rejected if the follower
+  // cannot execute them.
   void plan() {
     if (!options_.planned || !options_.emulate) return;
     MotionPlan plan(scenario_, planned_arms());
@@ -228,7 +228,7 @@ class TeleoperationLoop : private BoardLoop {
     out_.force_hand.push_back(rows_.block(end - last, 11, last, 3).colwise().mean().norm());
   }
 
-  // The shift between scaled leader and follower at which they differ least, to a tenth of a cycle.
+  // The delay at which scaled leader and follower differ least, to a tenth of a cycle.
   std::optional<double> latency() const {
     const TeleoperationOptions& o = wanted_.options;
     const double most = kLargestLatency / period_;  // [cycles]

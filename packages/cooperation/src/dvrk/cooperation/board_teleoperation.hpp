@@ -26,7 +26,7 @@ struct TeleoperationRun {
   double largest_force = 0.0;  ///< [N] of the wall
   long cycles = 0, late = 0;
   BoardEnd end = BoardEnd::kDone;
-  std::string why;        ///< in words, where it is not kDone
+  std::string why;        ///< reason in words, if it is not kDone
   double fault_at = 0.0;  ///< [s]
   OffState power = OffState::kNotAsked;
   std::vector<ArmAfterFault> after_fault;  ///< see BoardCooperationRun
@@ -37,17 +37,17 @@ struct TeleoperationRun {
   std::string report() const;
 };
 
-/// Leader and follower on boards: the leader is weightless and feels the follower's force, the
-/// follower goes where the leader leads. On emulated boards a hand leads the leader as the
-/// scenario's steps say. Any fault of either arm holds the follower, makes the leader free, and
-/// lets power go after BoardCooperationOptions::hold.
+/// Leader and follower on boards: the leader, with gravity compensated, reflects the follower's force, and
+/// the follower follows the leader. On emulated boards a hand moves the leader by the scenario's steps. A
+/// fault of either arm makes the follower hold its position, frees the leader, and switches power off after
+/// BoardCooperationOptions::hold.
 /// @throws InvalidInput  as run_on_boards().
 TeleoperationRun teleoperate_on_boards(const TeleoperationScenario& scenario,
                                        const std::vector<CooperatingArm>& arms,
                                        const BoardCooperationOptions& options,
                                        const std::atomic<bool>& stop);
 
-/// The rows as CSV. Whole or not there.
+/// Writes the rows as CSV, atomically.
 void write_rows(const TeleoperationRun& run, const std::string& path);
 
 }  // namespace veridyn::dvrk

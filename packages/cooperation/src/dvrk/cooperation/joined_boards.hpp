@@ -15,14 +15,14 @@ class JoinedBoards {
  public:
   virtual ~JoinedBoards() = default;
   virtual std::unique_ptr<DatagramLink> link(int arm) = 0;
-  /// Serves in real time until `stop` is true; with a stepped clock it has nothing to do.
+  /// Serves in real time until `stop` is true; with a stepped clock it returns.
   virtual void run(const std::atomic<bool>& stop) = 0;
 
   /// Latest true force of a member [N].
   virtual double tension(int member) const = 0;
   virtual double rate(int member) const = 0;    ///< [m/s] of its length
-  virtual double largest_force() const = 0;     ///< [N] of any member, ever
-  /// True force of a wall on its arm [N] as a channel of its sensor has it, see wall_channels().
+  virtual double largest_force() const = 0;     ///< [N] of any member since the start
+  /// True force of a wall on its arm [N] in one channel of its sensor, see wall_channels().
   virtual double true_wall_force(int wall, int channel = 0) const = 0;
 
   /// A hand holds an arm's tip by a spring and a damper [N/m], [N s/m].

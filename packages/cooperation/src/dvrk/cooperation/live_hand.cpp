@@ -11,7 +11,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kJogAhead = 0.1;  // [s] that a jog plans ahead
+constexpr double kJogAhead = 0.1;  // [s] planned in advance by a jog
 constexpr std::chrono::milliseconds kLook{2};
 
 }  // namespace
@@ -46,7 +46,7 @@ LiveHand::Shown LiveHand::shown() {
   return shown_;
 }
 
-// The next line becomes a command once the loop has executed all before it: it is planned from that state.
+// Plans the next line after the loop has executed all earlier ones, from the state that they lead to.
 void LiveHand::plan_next_line() {
   const Shown now = shown();
   if (!now.plan) return;
@@ -58,7 +58,8 @@ void LiveHand::plan_next_line() {
   if (lines_.closed()) closed_.store(true);
 }
 
-// A stop goes ahead of all that has not been carried out. @param under_way  lines that are being answered.
+// A stop is executed before all lines that have not been executed. @param under_way  lines that are being
+// processed.
 bool LiveHand::stop_requested(int under_way, double now) {
   const std::optional<int> dropped = lines_.stopped(now);
   if (!dropped) return false;
@@ -154,7 +155,7 @@ LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcep
     jogs_ = false;
     control.stop();
   }
-  // Read first: lines written before the end of the input are in the queue then.
+  // Read before the queue: lines before the end of the input are in the queue then.
   const bool closed = closed_.load();
   if (const std::size_t stop = stop_.load(); stop > read_.load()) {
     refused_ += static_cast<long>(stop - 1 - read_.load());
@@ -165,11 +166,11 @@ LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcep
     apply(queue_[read_.load() % kRoom], time, control);
     read_.fetch_add(1);
   }
-  if (jogs_ && time - heard_ > options_.silence) {  // a jog needs a living hand
+  if (jogs_ && time - heard_ > options_.silence) {  // a jog needs regular signs of life
     jogs_ = false;
     control.stop();
   }
-  if (jogs_ && time >= next_jog_) {  // short moves, one after the other, keep the velocity
+  if (jogs_ && time >= next_jog_) {  // successive short moves keep the velocity
     next_jog_ = time + 0.5 * kJogAhead;
     ScenarioCommand move;
     move.way = velocity_ * 0.5 * kJogAhead;

@@ -14,12 +14,12 @@
 
 namespace veridyn::dvrk {
 
-/// Commands by line for arms on boards. Lines are read, parsed and answered in a thread of their
-/// own, or, for boards by a stepped clock, between two cycles; the loop takes commands from a queue
-/// and neither waits nor allocates. What moves the arms is planned before it is taken, from where
-/// they are then: a line that cannot be carried out is refused, and a jog is planned again all the
-/// time, so that it stops before it leads where an arm cannot go. A stop waits for nothing but the plan of the
-/// line that is being answered.
+/// Commands by line for arms on boards. Lines are read, parsed and answered in a thread of their own or, for
+/// boards with a stepped clock, between two cycles; the loop takes commands from a queue and neither waits
+/// nor allocates. Every motion is planned before it is executed, from the present positions: a line that
+/// cannot be executed is rejected, and a jog is planned again continuously, so that it stops before an arm
+/// reaches a position where it cannot continue. A stop waits only for the plan
+/// of the line that is being answered.
 class LiveHand {
  public:
   enum class End { kGoesOn, kQuit, kLost };
@@ -32,9 +32,9 @@ class LiveHand {
   LiveHand(const LiveHand&) = delete;
   LiveHand& operator=(const LiveHand&) = delete;
 
-  /// Gives the waiting commands to the controller; once per cycle. @param time  [s] of the loop.
+  /// Passes the waiting commands to the controller; once per cycle. @param time  [s] of the loop.
   End act(double time, CooperativeController& control) noexcept;
-  /// Keeps the state of the loop for LiveReport::state and for plans; in every cycle before act().
+  /// Stores the state of the loop for LiveReport::state and for plans; in every cycle before act().
   /// @param joints  calls back with the index of each arm and gives its (n) positions.
   template <typename Joints>
   void show(double time, const CooperativeController& control, const CooperativeInput& seen,
@@ -65,7 +65,7 @@ class LiveHand {
   struct Shown {
     double time = 0.0;
     std::optional<MotionPlan::State> plan;
-    std::size_t taken = 0;  // commands that are in it
+    std::size_t taken = 0;  // number of executed commands
     bool waits = false, jogs = false;
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
   };
@@ -87,7 +87,7 @@ class LiveHand {
   Reads reads_;
   std::array<LiveCommand, kRoom> queue_;
   std::atomic<std::size_t> written_{0}, read_{0};
-  std::atomic<std::size_t> stop_{0};  // commands up to and with the last stop that came ahead of its turn
+  std::atomic<std::size_t> stop_{0};  // number of commands up to and including the last stop that was executed early
   std::atomic<bool> closed_{false}, ends_{false};
   std::atomic<long> refused_by_words_{0};
   std::mutex showing_;

@@ -23,7 +23,7 @@ class ScenarioRowFile {
   ScenarioRowFile(const ScenarioRowFile&) = delete;
   ScenarioRowFile& operator=(const ScenarioRowFile&) = delete;
 
-  /// So many rows are there now. Neither waits nor allocates.
+  /// Sets the number of rows that are complete. Neither waits nor allocates.
   void count(Eigen::Index rows) noexcept { rows_.store(rows, std::memory_order_release); }
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation per substep
 constexpr double kSubstepDecay = 0.2;         // decay rate times substep
-constexpr double kAhead = 0.01;               // [m] that a tip goes deeper between these updates
+constexpr double kAhead = 0.01;               // [m] increase of a tip's depth between these updates
 constexpr int kReview = 20;                   // steps between updates of the stiffness estimate
 
 void require_positive(double value, const char* what, const std::string& name) {

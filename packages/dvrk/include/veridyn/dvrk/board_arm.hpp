@@ -21,18 +21,18 @@ struct BoardArmOptions {
   double reply_timeout = 0.004;  ///< [s] for all replies of a cycle
 };
 
-/// One arm behind dVRK boards, real or emulated, for a control loop of one's own:
+/// One arm behind dVRK boards, real or emulated, for your own control loop:
 ///
 ///   BoardArm arm({"PSM1"});
 ///   arm.power_on();
 ///   every cycle: arm.read();  arm.set_torques(control(arm.q(), arm.dq()));  arm.write();
 ///
 /// The boards' safety functions are active (packages/dvrk/docs/boards.md): watchdogs, currents, temperatures,
-/// supplies, encoders and pots are checked with every read, and any fault switches off until
-/// power_on() is called again. A cycle without set_torques() has zero current. Joints beyond those
-/// that torques are given for are held at their position at power-on, with the laboratory's gains
-/// of a known arm. After the constructor nothing throws or allocates; read() blocks for at most
-/// `reply_timeout`. The destructor switches off. One object serves one thread.
+/// supplies, encoders and pots are checked with every read, and any fault switches off until power_on() is
+/// called again. A cycle without set_torques() has zero current. Joints without given torques are held at
+/// their position at power-on, with the laboratory's gains of a known arm. After the constructor nothing
+/// throws or allocates; read() blocks for at most `reply_timeout`. The destructor switches off. One object
+/// serves one thread.
 class BoardArm {
  public:
   /// Finds the boards, and initialises encoders from the pots if this was not done since power-on.
@@ -56,11 +56,10 @@ class BoardArm {
   void set_torques(const VectorXd& tau) noexcept;
   /// (n) torques of set_torques() after its limits, for ModelErrorObserver::sent().
   const VectorXd& sent() const;
-  /// Sends the commands; call it once in every cycle, whatever happened.
+  /// Sends the commands; call it once in every cycle, also after a failed read.
   void write() noexcept;
 
-  /// Starts powering up, also after a fault. @returns nullptr, or a fixed text with the reason for
-  /// a refusal.
+  /// Starts powering up, also after a fault. @returns nullptr, or a fixed text with the reason for a refusal.
   const char* power_on() noexcept;
   void power_off() noexcept;
   /// Power is on and brakes are released: torques act.

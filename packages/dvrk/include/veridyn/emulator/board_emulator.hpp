@@ -18,15 +18,15 @@ enum class ReplyFault {
   kNone,
   kDrop,
   kDelay,     ///< by EmulatorFaults::delay
-  kTruncate,  ///< four bytes are missing
+  kTruncate,  ///< the last four bytes are missing
   kExtend,    ///< four bytes too many
   kLabel,     ///< Label of an earlier request
   kTcode,     ///< Transaction code of the other kind of read
   kNode,      ///< Node of another board
   kLength,    ///< the length field is wrong, the datagram is not
   kBus,       ///< source bus is not 0x3FF
-  kCrc,       ///< not zero and wrong
-  kOld,       ///< a block of the hub that repeats the first of them, with its own label
+  kCrc,       ///< wrong and not zero
+  kOld,       ///< a hub block that repeats the first one with its label
   kForeign    ///< from an unknown address
 };
 
@@ -46,22 +46,23 @@ struct EmulatorFaults {
 struct Answer {
   std::size_t size = 0;
   double delay = 0.0;    ///< [s] after which it leaves
-  bool foreign = false;  ///< should come from another address
+  bool foreign = false;  ///< to be sent from another address
 };
 
-/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: sections 2
-/// to 11 and 14 (bridge mode). A pure function of datagrams and times; the UDP server is around it
-/// (BoardServer). handle() does not allocate.
+/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: sections 2 to 11 and
+/// 14 (bridge mode). A function of datagrams and times only; BoardServer adds the UDP sockets. handle() does
+/// not allocate.
 class BoardEmulator {
  public:
-  /// Node numbers are the places in the list; the first board is the hub.
-  /// @throws InvalidInput  no boards, more than 16, an id twice or beyond 15, an unknown firmware.
+  /// Node numbers are the indices in the list; the first board is the hub.
+  /// @throws InvalidInput  no boards, more than 16, an id that occurs twice or is above 15, an unknown
+  /// firmware.
   explicit BoardEmulator(const std::vector<BoardSetup>& boards, std::uint8_t generation = 1);
 
   /// Attaches the load of the motors; not owned. The default is a StandingLoad.
   void attach(BoardLoad* load);
 
-  /// Executes a datagram at a time that never runs back.
+  /// Executes a datagram at a time that never decreases.
   Answer handle(ByteView datagram, Ticks now, ByteSpan reply) noexcept;
 
   Ticks time() const { return now_; }
@@ -75,12 +76,12 @@ class BoardEmulator {
   /// Restarts a board, which also resets the bus.
   void reboot(int place);
 
-  /// FireWire bus reset: the generation counts up, for `seconds` everything is dropped, and then
-  /// nodes have these numbers (empty: the same).
+  /// FireWire bus reset: the generation is incremented, everything is dropped for `seconds`, and then nodes
+  /// have these numbers (empty: the same).
   void bus_reset(double seconds = 0.0, const std::vector<int>& nodes = {});
   std::uint8_t generation() const { return generation_; }
 
-  /// Section 8.5: FPGA V3 with firmware 9, joined by Ethernet alone. Before the first datagram.
+  /// Section 8.5: FPGA V3 with firmware 9, connected by Ethernet alone. Call it before the first datagram.
   void without_firewire() noexcept;
 
   PowerChain chain;
@@ -145,7 +146,7 @@ class BoardEmulator {
   std::uint32_t query_ = 0;
   std::uint8_t generation_;
   Counters counters_;
-  std::uint64_t fate_ = 3;  ///< of lost datagrams: the same in every run
+  std::uint64_t fate_ = 3;  ///< state of the generator that chooses lost datagrams: the same in every run
   std::array<std::uint8_t, kMaxDatagram> block_{}, old_{};
   std::size_t old_size_ = 0;
 };

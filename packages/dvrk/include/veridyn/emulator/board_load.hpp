@@ -5,7 +5,7 @@
 
 namespace veridyn::dvrk {
 
-/// The clock of the boards, 49.152 MHz, since any start.
+/// Ticks of the boards' clock, 49.152 MHz, since any start.
 using Ticks = std::int64_t;
 
 /// Output of one motor channel to the arm.

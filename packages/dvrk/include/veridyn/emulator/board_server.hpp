@@ -7,17 +7,17 @@
 
 namespace veridyn::dvrk {
 
-/// An emulator behind a UDP port, in real time. Clients send to a broadcast address and to a group
-/// as well (sections 1 and 2.3), so that one address is not enough.
+/// An emulator behind a UDP port, in real time. Clients also send to a broadcast address and to a group
+/// (sections 1 and 2.3), so that it has to listen on more than one address.
 class BoardServer {
  public:
   enum class Listens {
-    kHere,       ///< to programs of this machine alone
+    kHere,       ///< only for programs on this machine
     kEverywhere  ///< on all addresses of the machine
   };
 
-  /// @param port  0: any that is free, see port(). Real hosts use 1394 alone.
-  /// @throws InvalidInput  the port is taken.
+  /// @param port  0: any free one, see port(). Real hosts only use 1394.
+  /// @throws InvalidInput  the port is in use.
   BoardServer(BoardEmulator& emulator, std::uint16_t port, Listens listens = Listens::kHere);
   ~BoardServer();
   BoardServer(const BoardServer&) = delete;
@@ -30,17 +30,17 @@ class BoardServer {
     return listens_ == Listens::kEverywhere || (address >> 24) == 127;
   }
 
-  /// Answers until `stop` is true. The emulator belongs to this thread meanwhile.
+  /// Serves until `stop` is true. Meanwhile only this thread may use the emulator.
   void run(const std::atomic<bool>& stop);
-  /// Waits up to `seconds` for one datagram and answers it; the arm moves on in any case.
+  /// Waits up to `seconds` for one datagram and answers it; the arm moves in any case.
   void serve(double seconds);
 
-  /// Answers all waiting datagrams without blocking, on an external clock. @returns the number of
+  /// Answers all waiting datagrams without blocking, with an external clock. @returns the number of
   /// datagrams. @param now  never decreases.
   int serve_waiting(Ticks now);
 
-  /// [s] since the server was made, by which the arm was late, at most: its simulation could not
-  /// keep up with real time.
+  /// [s] largest delay of the arm since the server was created, because its simulation was slower than real
+  /// time.
   double latest() const { return latest_; }
 
  private:

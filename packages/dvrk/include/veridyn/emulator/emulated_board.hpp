@@ -20,7 +20,7 @@ struct BoardSetup {
   std::uint32_t hardware = kHardwareQla1;
   std::string qla_serial = "QLA 0000-00";
   std::string fpga_serial = "FPGA 0000-00";
-  /// QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists, the motor supply has a comparator
+  /// QLA 1.5: amplifiers switch on 2.5 ms later, voltage mode exists, the motor supply has a comparator
   bool io_expander = false;
   bool senses_chain = true;          ///< Rev 8 on: status bit 14
   double pot_noise = 0.0;            ///< standard deviation [bits]
@@ -28,11 +28,11 @@ struct BoardSetup {
   std::vector<std::uint8_t> dallas;  ///< memory of an instrument's chip; empty: no chip
 };
 
-/// The world around the boards: one power supply, one chain of switches.
+/// The electrical environment of the boards: one power supply, one chain of switches.
 struct PowerChain {
   bool emergency_stop = false;  ///< pressed
   bool supply_on = true;
-  bool relays_closed = false;  ///< Relays closed of all boards in series; kept by the emulator
+  bool relays_closed = false;  ///< relays of all boards in series are closed; set by the emulator
   Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
 };
 
@@ -46,14 +46,14 @@ struct BoardFaults {
   bool stops_clock = false;                       ///< timestamps are zero
   int wrong_id = -1;                              ///< the status shows this id
   int wrong_channels = -1;                        ///< the status shows this many
-  bool skips_query = false;                       ///< never writes into the hub
+  bool skips_query = false;                       ///< never writes its block into the hub
   int wrong_sequence = 0;                         ///< added to the sequence in its hub block
   int wrong_block_size = 0;                       ///< added to the size in its hub block; Rev 8 on
   std::array<bool, kChannels> amp{};              ///< amplifier fails
-  std::array<bool, kChannels> stuck{};            ///< amplifier keeps the current of that moment
+  std::array<bool, kChannels> stuck{};            ///< the amplifier keeps its present current
   std::array<std::int32_t, kChannels> current{};  ///< added to the measured current [bits]
   std::array<double, kChannels> pot{};            ///< added to the pot [bits]
-  std::array<bool, kChannels> pot_wire{};         ///< gone: the pot reads zero
+  std::array<bool, kChannels> pot_wire{};         ///< the wire is broken: the pot reads zero
 };
 
 /// One FPGA board with its QLA: registers (section 7), amplifier logic (14.2), watchdog (14.1),
@@ -64,19 +64,19 @@ class EmulatedBoard {
 
   const BoardSetup& setup() const { return setup_; }
 
-  /// Power cycle or reboot command: registers as the hardware wakes up.
+  /// Power cycle or reboot command: registers get their power-up values.
   void reboot(Ticks now) noexcept;
 
-  /// Timers and checks up to `now`.
+  /// Executes timers and checks up to `now`.
   void advance(Ticks now, const PowerChain& chain) noexcept;
 
   std::uint32_t read(std::uint16_t address) const noexcept;
   void write(std::uint16_t address, std::uint32_t data) noexcept;
-  /// Block at any address but the hub's; beyond what there is, zeros.
+  /// A block at any address except the hub's; zeros beyond its end.
   void read_block(std::uint16_t address, QuadletSpan out) noexcept;
   /// @returns false: a real-time block without a command for this board.
   bool write_block(std::uint16_t address, QuadletView block) noexcept;
-  /// Real-time feedback; restarts its timestamp.
+  /// Latches the real-time feedback and restarts its timestamp.
   BoardFeedback latch() noexcept;
 
   MotorDrive drive(int channel) const noexcept;
@@ -90,7 +90,7 @@ class EmulatedBoard {
   std::uint16_t dac(int channel) const { return channels_[channel].dac; }
   EmulatedEncoder& encoder(int channel) { return channels_[channel].encoder; }
 
-  /// Reboot by command 21:20 = 11; the emulator carries it out.
+  /// reboot by command 21:20 = 11, which the emulator executes
   bool reboot_requested = false;
   std::uint32_t temperatures = 0x3234;  ///< 25 and 26 degrees
   std::uint32_t digital_inputs = 0;     ///< bits 11:0 of section 13
@@ -103,7 +103,7 @@ class EmulatedBoard {
  private:
   struct Channel {
     std::uint16_t dac = kZeroCurrent;
-    std::uint16_t driven = kZeroCurrent;  ///< the command that the amplifier carries out
+    std::uint16_t driven = kZeroCurrent;  ///< command that the amplifier executes
     std::uint8_t mode = 0;
     bool disabled = true;
     bool tripped = false;
@@ -137,7 +137,7 @@ class EmulatedBoard {
   Ticks now_ = 0;
   Ticks latched_at_ = 0;
   Ticks last_write_ = 0;
-  Ticks power_since_ = 0;  ///< since when supply and chain could bring voltage
+  Ticks power_since_ = 0;  ///< time from which supply and chain can provide voltage
   Ticks good_since_ = 0;
   std::uint32_t watchdog_period_ = kWatchdogDefault;
   bool watchdog_led_ = false;

@@ -7,17 +7,17 @@
 
 namespace veridyn::dvrk {
 
-/// A quadrature encoder with its counters: section 11. Between two calls of move() it turns
-/// uniformly; every edge has a time.
+/// A quadrature encoder with its counters: section 11. Between two calls of move() it turns at a constant
+/// speed; every edge has a time.
 class EmulatedEncoder {
  public:
   /// Sets the shaft position at power-up.
   void power_up(double counts, Ticks now) noexcept;
 
-  /// The shaft has come to `counts`.
+  /// Moves the shaft to `counts`.
   void move(double counts, Ticks now) noexcept;
 
-  /// The counter jumps by so many counts, as after missed edges.
+  /// Adds `counts` to the counter, as after missed edges.
   void slip(std::int64_t counts) noexcept { offset_ += counts; }
 
   /// Loads the counter with a 24-bit word.
@@ -30,14 +30,14 @@ class EmulatedEncoder {
   bool line_a() const { return phase() == 0 || phase() == 1; }
   bool line_b() const { return phase() == 1 || phase() == 2; }
 
-  // Faults of the hardware, as long as they are set.
+  // Faults of the hardware, active while they are set.
   bool broken_lines = false;      ///< illegal transitions
-  bool stuck = false;             ///< the counter is stuck, whatever the shaft does
+  bool stuck = false;             ///< the counter does not change
   bool overflow_latched = false;  ///< section 11.1: sticky; not cleared by a preload
 
  private:
   struct Edge {
-    std::uint32_t quarter = 0;  ///< ticks since the edge before
+    std::uint32_t quarter = 0;  ///< ticks since the previous edge
     bool up = false;
     std::uint32_t kind = 0;  ///< A-up 8, B-up 4, A-down 2, B-down 1
   };
@@ -47,7 +47,7 @@ class EmulatedEncoder {
   std::uint32_t period_word(bool stale) const noexcept;
 
   double counts_ = 0.0;      ///< Counts of the shaft
-  std::int64_t count_ = 0;   ///< its whole part
+  std::int64_t count_ = 0;   ///< integer part of counts_
   std::int64_t offset_ = 0;  ///< counter minus count_
   std::uint32_t preload_ = 0x800000;
   Ticks moved_at_ = 0;

@@ -14,9 +14,9 @@ namespace veridyn::dvrk {
 /// A simulated arm behind emulated boards: motor currents drive an Engine, its joints turn encoders
 /// and pots, all through the scales and the coupling of a configuration file.
 ///
-/// The model may have fewer joints than there are actuators: they are the first ones, and the
-/// others stand still. While no amplifier of the arm is on, it holds its position as if it had
-/// brakes, unless it falls_without_power().
+/// The model may have fewer joints than there are actuators: it then has the first ones, and the others do
+/// not move. While no amplifier of the arm is on, it holds its position as with brakes, unless
+/// falls_without_power() was called.
 class SimulatedArm final : public BoardLoad {
  public:
   /// @param boards             ids, in the order of the emulator's boards.
@@ -31,25 +31,25 @@ class SimulatedArm final : public BoardLoad {
   void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
                std::size_t channels) noexcept override;
 
-  /// Stops that no joint of the model passes, (joints) each; it hits them and stays. None at first.
+  /// Sets end stops (joints) at which the model's joints stop. There are none at first.
   void set_end_stops(const VectorXd& lower, const VectorXd& upper);
 
-  /// Encoders, pots and currents have these errors from now on, but for delays: currents are those of
-  /// the cycle. None at first. @throws InvalidInput  another number of joints.
+  /// Sets errors of encoders, pots and currents, without delays: currents are those of the cycle. There are
+  /// none at first. @throws InvalidInput  another number of joints.
   void set_sensors(const JointSensors& sensors);
 
-  /// Without brakes: once its motors have had power, nothing holds the arm when they lose it.
+  /// Removes the brakes: after its motors have had power, nothing holds the arm without it.
   void falls_without_power() { brakes_ = false; }
 
-  /// Status of the last step; a failed engine stands still from then on.
+  /// Status of the last step; a failed engine does not move any more.
   StepStatus status() const { return status_; }
-  /// Joint torques that acted last (model's joints) [N m], [N].
+  /// Last joint torques (model's joints) [N m], [N].
   const VectorXd& tau() const { return tau_; }
 
  private:
   struct Motor {
     ActuatorConfig config;
-    std::size_t channel = 0;  ///< place among the emulator's channels
+    std::size_t channel = 0;  ///< index among the emulator's channels
   };
 
   void stop_at_ends() noexcept;
@@ -58,7 +58,7 @@ class SimulatedArm final : public BoardLoad {
   std::vector<Motor> motors_;
   std::vector<std::size_t> brake_channels_;
   MatrixXd joint_to_actuator_;
-  MatrixXd actuator_to_pot_;  ///< where pots do not sit on the actuators; empty: they do
+  MatrixXd actuator_to_pot_;  ///< if pots are not on the actuators; empty: they are
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
   JointSensors sensors_;
   VectorXd effort_, joint_effort_, q_, shown_q_, actuator_q_, pot_q_, tau_, rest_;

@@ -4,20 +4,20 @@
 
 namespace veridyn::dvrk {
 
-/// A clock that the loop under test moves, and emulated boards that live by it.
+/// A clock that the tested loop advances, and emulated boards that use it.
 class SteppedClock {
  public:
   virtual ~SteppedClock() = default;
   virtual double now() const = 0;  ///< [s]
-  /// Answers all datagrams in the boards' sockets, now.
+  /// Answers all datagrams in the boards' sockets at the present time.
   virtual void serve() = 0;
   /// The same, then advances the time.
   virtual void pass(double seconds) = 0;
 };
 
-/// UDP sockets like UdpLink's, on a SteppedClock: time stops while this program computes, so that a
-/// run is independent of the machine's speed and load. A reply takes kRoundTrip; a missing one
-/// takes the whole timeout, at once.
+/// UDP sockets like UdpLink's, with a SteppedClock: time stops while this program computes, so that a run is
+/// independent of the machine's speed and load. A reply takes kRoundTrip; a missing one takes the whole
+/// timeout.
 class SteppedLink final : public DatagramLink {
  public:
   static constexpr double kRoundTrip = 50e-6;  ///< [s]

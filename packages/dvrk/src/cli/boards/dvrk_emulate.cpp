@@ -30,7 +30,7 @@ using dvrk::BoardEmulator;
 
 constexpr double kPotNoise = 3.0;      // [bits], standard deviation: 0.2 mV
 constexpr double kCurrentNoise = 4.0;  // [bits]: 0.8 mA
-constexpr double kStopsBeyond = 0.02;  // of a joint's range: distance of end stops from the limits
+constexpr double kStopsBeyond = 0.02;  // distance of end stops from the limits, as a share of a joint's range
 
 /// An emulated arm: its part of a configuration, and the simulation behind it.
 struct EmulatedArm {
@@ -59,8 +59,8 @@ class Arms final : public dvrk::BoardLoad {
   dvrk::StandingLoad none_;
 };
 
-// Initial position: zero where it is well inside the limits, else the middle of the range, because
-// an arm at a limit cannot be driven.
+// Initial position: zero if it is well inside the limits, else the middle of the range, because an arm at a
+// limit cannot be driven.
 VectorXd start_of(const DvrkRequest& request, const Model& model) {
   const int n = model.joints();
   if (!request.start.empty()) {
@@ -196,7 +196,7 @@ dvrk::IoConfig config_of(const std::vector<EmulatedArm>& arms) {
   return all;
 }
 
-// Reports once why the simulation of an arm ended; the arm then stands still.
+// Reports once the reason for which the simulation of an arm ended; the arm then does not move.
 void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   for (EmulatedArm& arm : arms) {
     if (!arm.load || arm.load->status() == StepStatus::kOk || arm.failed) continue;
@@ -206,7 +206,7 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   }
 }
 
-// Boards, their arms and their events, without a clock.
+// Boards with their arms and events, without a clock.
 struct Emulated {
   explicit Emulated(const DvrkRequest& request)
       : arms(arms_of(request)),
@@ -240,7 +240,7 @@ struct Emulated {
   bool quiet;
 };
 
-// Boards in this process: their clock moves when the client waits, however long it computes.
+// Boards in this process: their clock advances only while the client waits.
 class LinkInside final : public dvrk::DatagramLink {
  public:
   explicit LinkInside(const DvrkRequest& request) : world_(request), link_(world_.emulator) {}

@@ -78,7 +78,7 @@ dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-// Refused if any motor is on, before anything is written, because homing writes "off".
+// Refuses if any motor is on, before anything is written, because homing writes "off".
 void home_before_run(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
   if (!request.home) return;
   dvrk::require_no_power(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));

@@ -19,7 +19,7 @@ namespace veridyn::cli {
 struct DvrkRequest {
   const CLI::App* command = nullptr;  ///< command with these options
   std::string config;                 ///< XML or JSON
-  std::string robot;                  ///< name in it
+  std::string robot;                  ///< name in the configuration
   std::string arm;                    ///< PSM1, ...: nominal configuration, gains
   std::string instrument;             ///< instrument whose coupling is used
   std::string model;
@@ -35,16 +35,16 @@ struct DvrkRequest {
   std::string gains;
   std::string controller = "pid";  ///< or computed-torque, impedance, gravity
   std::string tip;                 ///< frame of the impedance
-  double stiffness = 800.0;        ///< [N/m] of it
+  double stiffness = 800.0;        ///< [N/m] of the impedance
   double approach_speed = 0.25;
   std::vector<double> largest_error;  ///< one per joint, or one for the revolute joints
   bool home = false;                  ///< a reading command may initialise encoders
-  bool announce = false;              ///< and send the first packets of a session
+  bool announce = false;              ///< may send the first packets of a session
   int firmware = 8;
   bool ethernet_only = false; ///< emulated boards have no FireWire between them
-  bool firewire = false;      ///< FPGA V3 boards have FireWire nevertheless
+  bool firewire = false;      ///< FPGA V3 boards are connected by FireWire
   bool io_expander = false;   ///< emulated boards are QLA 1.5
-  bool emulate = false;       ///< `run` has emulated boards in this process
+  bool emulate = false;       ///< `run` emulates boards in this process
   bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
@@ -68,18 +68,18 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 /// Prints the faults of the session on standard error; warnings are printed with --quiet as well.
 void report_faults(const dvrk::FaultLog& faults);
 
-/// The boards at --host, or emulated ones in this process with DvrkRequest::emulate: their clock stands
-/// still while the program computes. @throws InvalidInput, CLI::ValidationError  as `dvrk emulate`.
+/// Link to the boards at --host, or with DvrkRequest::emulate to emulated ones in this process, whose clock
+/// stops while the program computes. @throws InvalidInput, CLI::ValidationError  as `dvrk emulate`.
 std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request);
 
-/// Prepares a real-time loop: priority and locked memory. Returns what the system refused, in
+/// Prepares a real-time loop: priority and locked memory. Returns the settings that the system refused, in
 /// words.
 std::vector<std::string> prepare_loop();
 
 /// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
 std::string not_confirmed(dvrk::OffState power);
 
-/// Reports the number of rows and the reason if the file does not have all.
+/// Reports the number of rows, and the reason if the file does not have all of them.
 void report_rows(const DvrkRequest& request, const dvrk::RunResult& done);
 
 /// Prints timing and faults and writes the JSON file of a client's command.

@@ -50,7 +50,7 @@ PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
 
 MotionSamples motion_of(const std::string& path) {
   RecordingOptions reading;
-  reading.signals.as_recorded = true;  // a wanted motion is taken as it is written
+  reading.signals.as_recorded = true;  // the rows of a wanted motion are not repaired
   const Recording rows = read_recording(path, reading);
   try {
     return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
@@ -90,7 +90,7 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   options.tip = request.tip;
   options.stiffness = request.stiffness;
   options.position_steps = arm.units().joint_steps();
-  options.longest_gap = request.watchdog;  // any longer gap lets the boards switch off
+  options.longest_gap = request.watchdog;  // after a longer gap the boards switch off
   const Model model = read_model(request.model);
   if (!request.gains.empty() && options.law == dvrk::ControlLaw::kComputedTorque)
     options.joint_gains = read_joint_gains(request.gains, model);

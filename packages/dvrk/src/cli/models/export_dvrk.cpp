@@ -26,7 +26,7 @@ struct DvrkExport {
   std::string torques;  // static torques to compare the rows with
 };
 
-// The arm of a model, from the first letters of its name.
+// The arm of a model, by the first letters of its name.
 dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
   if (!name.empty()) {
     expect_one_of("--dvrk-arm", name, dvrk::arm_names());

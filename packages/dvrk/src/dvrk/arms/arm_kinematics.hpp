@@ -7,14 +7,14 @@
 
 namespace veridyn::dvrk {
 
-// Closed forms of the arms' inverse kinematics, for control loops: constructors throw InvalidInput
-// where an arm's DH rows have another form; the functions never throw or allocate. Poses are those
-// of frame_pose() of arm_model(); they must be rigid, which is not checked.
+// Closed forms of the arms' inverse kinematics, for control loops: constructors throw InvalidInput if an
+// arm's DH rows have another form; the functions never throw or allocate. Poses are those of frame_pose() of
+// arm_model(); they must be rigid, which is not checked.
 
 enum class InverseStatus {
   kDone,           ///< q reaches the pose, within the limits
-  kOutsideLimits,  ///< q reaches the pose, but at least one joint leaves its limits
-  kSingular,       ///< the pose leaves joints undetermined: those are taken from `near`
+  kOutsideLimits,  ///< q reaches the pose, but at least one joint is outside of its limits
+  kSingular,       ///< the pose does not determine some joints, which are taken from `near`
   kOutOfReach,     ///< no q reaches the pose; q is `near`
 };
 
@@ -33,10 +33,10 @@ template <int n>
 struct JointRanges {
   Eigen::Matrix<double, n, 1> lower;
   Eigen::Matrix<double, n, 1> upper;
-  std::array<bool, n> turns{};  ///< angles, which may be changed by whole turns
+  std::array<bool, n> turns{};  ///< joints with angles, which may change by whole turns
 
   explicit JointRanges(const ArmFacts& arm);
-  /// Changes angles by whole turns: inside the range and, of those, nearest to `near`.
+  /// Changes angles by whole turns: into the range and, among several possibilities, nearest to `near`.
   void wrap(Eigen::Matrix<double, n, 1>& q, const Eigen::Matrix<double, n, 1>& near) const noexcept;
   bool contain(const Eigen::Matrix<double, n, 1>& q) const noexcept;
 };
@@ -50,8 +50,8 @@ extern template struct JointRanges<7>;
 /// frame stands in the remote centre, z up at the usual mounting.
 ///
 /// The shaft points along u = (s1 c2, -s2, -c1 c2) and ends at u (q3 - remote + shaft), where the
-/// axis of wrist pitch is. That axis, shaft, wrist and axis of wrist yaw give the inverse:
-/// the shaft, the axis of yaw and the link between them lie in one plane through the remote centre.
+/// axis of wrist pitch is. The inverse uses that the shaft, the axis of wrist yaw and the link between them
+/// lie in one plane through the remote centre, perpendicular to the axis of wrist pitch.
 class PsmKinematics {
  public:
   using Joints = Eigen::Matrix<double, 6, 1>;

@@ -15,7 +15,7 @@ struct EffortScale {
   double before = 0.0;     ///< Value in the configuration
   double scale = 0.0;      ///< corrected
   double std_scale = 0.0;  ///< standard deviation; 0: not known
-  std::string source;      ///< origin of the correction; empty: there is none
+  std::string source;      ///< origin of the correction; empty: no correction
 };
 
 /// Scales from a model's drive gains, for every actuator whose name is a coordinate of the model:
@@ -28,8 +28,8 @@ struct EffortScale {
 std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm,
                                           const RobotConfig& robot);
 
-/// {"robots": [{"name", "actuators": [{"drive": {"effort_to_current": {"scale"}}, ...}]}]}: the
-/// members that a JSON configuration has, and beside them where they come from.
+/// {"robots": [{"name", "actuators": [{"drive": {"effort_to_current": {"scale"}}, ...}]}]}: the members of a
+/// JSON configuration, and next to them their origin.
 std::string to_scales_json(const std::string& arm, const std::vector<EffortScale>& scales);
 
 }  // namespace veridyn::dvrk

@@ -13,13 +13,13 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kFitted = 300;   // random places by which the masses are found
-constexpr int kJudged = 2000;  // others by which the largest error is
+constexpr int kFitted = 300;   // random configurations for the fit
+constexpr int kJudged = 2000;  // other configurations for the largest error
 constexpr double kTolerance = 0.05;    // share of a joint's largest torque
 constexpr double kIndependent = 1e-9;  // largest remainder of a dependent column, as a share of its length
-constexpr double kNothing = 1e-12;     // kg or kg m that are rounding
-constexpr double kNoTorque = 1e-9;     // N m or N that are rounding
-constexpr double kCentreOffset = 0.1;  // m, where a mass may be chosen
+constexpr double kNothing = 1e-12;     // kg or kg m below which a value is rounding
+constexpr double kNoTorque = 1e-9;     // N m or N below which a value is rounding
+constexpr double kCentreOffset = 0.1;  // m, offset of a centre whose mass may be chosen
 constexpr int kMoments = 4;            // per link: hx, hy, hz, m
 constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // places in InertialParameters
 
@@ -52,7 +52,7 @@ Model chain_with_bodies(const ArmFacts& arm, double gravity) {
   return Model(description);
 }
 
-// Gravity of model and chain at random places within the limits of both.
+// Gravity torques of model and chain at random configurations within the limits of both.
 struct Samples {
   MatrixXd Y;    // (samples * joints x 4 * rows)
   VectorXd tau;  // (samples * joints), sample by sample
@@ -107,8 +107,8 @@ class Sampler {
   const Match& match_;
 };
 
-// The columns, first to last, that do not follow from those before: h of a link before its mass,
-// earlier links before later ones.
+// Indices of the columns that do not depend on earlier ones: h of a link comes before its mass, earlier links
+// before later ones.
 std::vector<int> independent_columns(const MatrixXd& Y) {
   std::vector<int> independent;
   MatrixXd Q(Y.rows(), 0);
@@ -141,8 +141,8 @@ double moment(const VectorXd& x, Eigen::Index row) {
   return h > kNothing ? h : 0.0;
 }
 
-// A link with a moment needs a mass. Where torques do not determine it, it is chosen; if the chosen
-// mass has an effect, the previous links compensate it, so moments are solved again.
+// A link with a moment needs a mass. If torques do not determine it, it is chosen; if the chosen mass has an
+// effect, the previous links compensate it, so that moments are solved for again.
 VectorXd with_masses(const Samples& samples, const std::vector<int>& independent) {
   VectorXd x = solve(samples, independent, VectorXd::Zero(samples.Y.cols()));
   for (int round = 0; round < 2; ++round) {
@@ -172,7 +172,7 @@ std::vector<GravityRow> rows_of(const ArmFacts& arm, const VectorXd& x) {
   return rows;
 }
 
-// The unknowns again, as the rows have them.
+// The unknowns, computed from the rows.
 VectorXd moments_of(const std::vector<GravityRow>& rows) {
   VectorXd x(kMoments * static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -198,7 +198,7 @@ void require_upright(const Model& model) {
           "], expected it along -z, as the dVRK's gravity compensation has it.");
 }
 
-// Names of effects other than gravity that hold torque at rest.
+// Names of effects other than gravity with a torque at rest.
 std::vector<std::string> holding_effects(const Model& model) {
   std::vector<std::string> names;
   for (const EffectTerm& term : model.effects()) {

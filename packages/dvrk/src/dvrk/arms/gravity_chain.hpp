@@ -18,14 +18,14 @@ struct GravityRow {
   Eigen::Vector3d com{0, 0, 0};  ///< [m] in the link's frame
 };
 
-/// A serial chain of DH rows with a mass and a centre in each link that has the gravity torques of
-/// an arm, parallelogram and counterweights included:
+/// A serial chain of DH rows with a mass and a centre in each link that has the same gravity torques as an
+/// arm, parallelogram and counterweights included:
 ///
-///   tau = d/dq sum_k m_k |g| z_k(q),   z_k the height of centre k over the remote centre
+///   tau = d/dq sum_k m_k |g| z_k(q),   z_k the height of centre k above the remote centre
 ///
-/// Its masses stand for torques, not for bodies: a counterweight that moves against the insertion
-/// takes away from the insertion's mass, which may become negative, and a link that turns about a
-/// fixed point has any mass (here such that its centre is 0.1 m off, or that of no moment).
+/// Its masses represent torques, not bodies: a counterweight that moves against the insertion reduces the
+/// insertion's mass, which may become negative, and the mass of a link that turns about a fixed point is
+/// arbitrary (here such that its centre is 0.1 m off, or zero without a moment).
 struct GravityChain {
   std::string arm;
   double gravity = 9.81;              ///< |g| [m/s^2], downwards along z of the base
@@ -40,19 +40,19 @@ struct GravityChain {
 /// Least squares over random configurations within the limits of arm and model; exact for a PSM or
 /// ECM, whose parallelogram closes.
 ///
-/// @param model  with values for all bodies; its coordinates that have the names of joints of the
-///               arm are those joints, the others are held still.
-/// @throws InvalidInput  bodies have no values; no coordinate is a joint of the arm; the arm's
-///                       coordinates are motors (MTM); gravity is not along the world's z; the
-///                       chain's error is above 5 % of a joint's largest torque.
+/// @param model  with values for all bodies; its coordinates with names of joints of the arm are those
+/// joints, the others are held still.
+/// @throws InvalidInput  bodies have no values; no coordinate is a joint of the arm; the arm's coordinates
+/// are motors (MTM); gravity is not along the world's z; the chain's error is above 5 % of a joint's largest
+/// torque.
 GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm);
 
 /// Torques of the chain's own rows, one per row. @param q  one entry per row [rad, m].
 VectorXd gravity_torques(const GravityChain& chain, const VectorRef& q);
 
-/// The rows as the laboratory's kinematics files have them ("DH": {"convention": "modified",
-/// "joints": [...]} with mass, cx, cy, cz; names as remembered, no sample file was at hand), and
-/// beside them what they were made from.
+/// The rows in the format of the laboratory's kinematics files ("DH": {"convention": "modified", "joints":
+/// [...]} with mass, cx, cy, cz; the names are from memory, no sample file was available), and next to them
+/// their origin.
 std::string to_gravity_json(const GravityChain& chain, const std::string& model);
 
 /// Positions and efforts of a resting arm.
@@ -61,9 +61,9 @@ struct StaticTorques {
   MatrixXd tau;  ///< (samples x n) [N m, N]
 };
 
-/// Reads a static gravity recording: a header q1..qn,tau1..taun in any order (other columns are
-/// ignored), or no header, positions first and efforts behind them (the latter is an assumption
-/// about the laboratories' files; none was at hand).
+/// Reads a static gravity recording: a header q1..qn,tau1..taun in any order (other columns are ignored), or
+/// no header, positions followed by efforts (the latter is an assumption about the laboratories' files, of
+/// which none was available).
 /// @throws InvalidInput  file and line, what was found and expected.
 StaticTorques read_static_torques(const std::string& path);
 

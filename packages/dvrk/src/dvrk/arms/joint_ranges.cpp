@@ -6,7 +6,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kTurn = 2.0 * M_PI;
-// tolerance for rounding at a joint's limit
+// Tolerance for rounding at a joint's limit.
 constexpr double kSlack = 1e-9;
 
 }  // namespace

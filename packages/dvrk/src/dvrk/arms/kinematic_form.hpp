@@ -17,7 +17,7 @@ struct ExpectedRow {
   bool prismatic = false;
 };
 
-/// Fails unless the arm's rows are modified DH rows of this form.
+/// Throws unless the arm's rows are modified DH rows of this form.
 inline void require_form(const ArmFacts& arm, const std::vector<ExpectedRow>& rows) {
   require(arm.kinematic_joints() == static_cast<int>(rows.size()), arm.name, ": found ",
           arm.kinematic_joints(), " joints with DH rows, expected ", rows.size(),
@@ -59,7 +59,8 @@ inline Eigen::Matrix3d shaft_orientation(double yaw, double pitch) {
   return R;
 }
 
-/// The best of several solutions: within the limits first, then nearest to `near`. Joints that are NaN or infinite are no solution.
+/// The best of several solutions: within the limits first, then nearest to `near`. Joints that are not finite
+/// are no solution.
 template <int n>
 class Choice {
  public:

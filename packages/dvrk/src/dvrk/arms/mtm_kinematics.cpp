@@ -59,7 +59,7 @@ InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,
   const double down = height_ - wrist.z();
   const double cosine =
       (radius * radius + down * down - upper_ * upper_ - reach * reach) / (2.0 * upper_ * reach);
-  // Rounding may carry a stretched arm a little beyond its reach.
+  // Rounding may place a stretched arm slightly beyond its reach.
   if (!(std::abs(cosine) <= 1.0 + 1e-12) || !near.allFinite()) return choice.best();
   const double elbow = std::acos(std::clamp(cosine, -1.0, 1.0));
   const bool on_axis = radius < kSingularDistance;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kRight = M_PI / 2.0;
 
-// Yaw and pitch of a shaft direction. On the axis of yaw any yaw will do.
+// Yaw and pitch of a shaft direction. On the axis of yaw any yaw is a solution.
 void shaft_angles(const Eigen::Vector3d& u, double near_yaw, double& yaw, double& pitch, bool& singular) {
   const double across = std::hypot(u.x(), u.z());
   pitch = std::atan2(-u.y(), across);
@@ -27,7 +27,7 @@ Eigen::Matrix3d turn_z(double angle) {
   return R;
 }
 
-// The part of v across the unit vector n, of length one; any such vector if v is along n.
+// The part of v perpendicular to the unit vector n, normalised; any such vector if v is along n.
 Eigen::Vector3d unit_component_across(const Eigen::Vector3d& v, const Eigen::Vector3d& n) {
   const Eigen::Vector3d part = v - v.dot(n) * n;
   const double length = part.norm();
@@ -61,7 +61,7 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
   const Eigen::Matrix3d R3_near = shaft_orientation(near[0], near[1]);
   const Eigen::Vector3d normal = z6.cross(p6);
   singular = normal.norm() < kSingularDistance;
-  // The axis of wrist pitch, across the plane of shaft, wrist and axis of yaw.
+  // The axis of wrist pitch, perpendicular to the plane of shaft, wrist and axis of wrist yaw.
   const Eigen::Vector3d z5 = singular ? unit_component_across(R3_near * turn_z(near[3]).col(1), z6)
                                       : Eigen::Vector3d(wrist_side * normal.normalized());
   const Eigen::Vector3d x5 = z6.cross(z5);

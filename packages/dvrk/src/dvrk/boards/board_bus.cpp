@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
-constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
+constexpr double kShortestWait = 0.001;  // [s] timeout of a reply if the cycle is late already
 constexpr double kLateCycles = 2.5;      // cycles between time stamps that indicate a missed one
 constexpr int kRegisterEvery = 4;        // cycles between two reads of a command of Rev 7
-constexpr double kJump = 0.005;          // [s] difference of timestamp and clock from which the board is checked
+constexpr double kJump = 0.005;          // [s] difference of timestamp and clock, from which the board is checked
 
 }  // namespace
 
@@ -214,7 +214,7 @@ void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
   check_commands(b);
 }
 
-// Section 17 #26; a counter that disagrees with our clock may mean a reboot (#25).
+// Section 17 #26; a counter that disagrees with our clock may mean a restart (#25).
 void BoardBus::check_timestamp(Board& b) noexcept {
   const double now = link_.now();
   const std::optional<double> before = std::exchange(b.read_at, now);
@@ -232,7 +232,7 @@ void BoardBus::check_commands(Board& b) noexcept {
   if (b.info.firmware < 8) return;  // check_written_commands() reads its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
-    // The last write may still be in transmission: a network may let a read overtake it.
+    // The last write may still be in transmission, since a network may let a read overtake it.
     if (!b.has_sent[c] || shown == b.sent[c] || shown == b.before[c]) continue;
     b.hidden = c;
     ++b.lost_writes;

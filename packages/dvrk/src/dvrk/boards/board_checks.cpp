@@ -11,8 +11,8 @@ namespace {
 // Section 14.6: currents without an amplifier, in bits of the nominal 5242.88 per ampere.
 constexpr double kDisabledLimit = 524.0;    // 100 mA
 constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
-constexpr double kNearLargest = 0.95;  // of the largest current
-constexpr double kRelayGrace = 0.050;  // [s] for the contacts
+constexpr double kNearLargest = 0.95;  // share of the largest current
+constexpr double kRelayGrace = 0.050;  // [s] until the contacts have closed
 
 }  // namespace
 
@@ -55,7 +55,7 @@ void BoardSession::check_relay(int b, const BoardFeedback& f) noexcept {
     note(Condition::kRelayOpen, Reaction::kAmpsOff, b, {}, f.status.word);
 }
 
-// #17 to #19. In states kOff and kFault only faults that a client must hear of in any case.
+// #17 to #19. In states kOff and kFault only faults that a client has to know of in any case.
 void BoardSession::check_power(int b, const BoardFeedback& f) noexcept {
   const Status s = f.status;
   if (s.supply_fault()) note(Condition::kSupplyFault, Reaction::kPowerOff, b, {}, s.word);
@@ -108,7 +108,7 @@ void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, f.status.word);
 }
 
-// #23. The current of an amplifier that is on lies between the last commands.
+// #23. The current of an amplifier that is on has to lie between the last commands.
 void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);

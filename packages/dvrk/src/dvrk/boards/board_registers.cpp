@@ -19,8 +19,8 @@ void BoardBus::poll_registers() noexcept {
   if (b.valid) check_registers(b);
 }
 
-// Section 17 #27: Rev 7 shows its commands in registers alone. Reads one channel at a time, and
-// again if it differs, so that an overtaken write does not count as lost.
+// Section 17 #27: Rev 7 shows its commands only in registers. Reads one channel at a time, and again if it
+// differs, so that an overtaken write does not count as lost.
 void BoardBus::check_written_commands() noexcept {
   if (state_ != BusState::kRunning || exchange_.generation_changed() || listens()) return;
   const std::size_t sockets = boards_.size() * kChannels;

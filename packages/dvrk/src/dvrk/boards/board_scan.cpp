@@ -14,11 +14,11 @@ namespace {
 constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
-constexpr double kRepeatShare = 0.4;  // share of the timeout; outside of a cycle nothing is urgent
+constexpr double kRepeatShare = 0.4;  // share of the timeout; outside of a cycle there is time
 
-// Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on. The
-// laboratory's library takes them by the number of nodes, one hop more than a chain of them has: in
-// reserve for a node that answers no registers, as a computer on the bus.
+// Gap counts that are sufficient for 1, 2, 3, ... cable hops (IEEE 1394a-2000, annex E.1). As in the
+// laboratory's library, the index is the number of nodes, one more than the hops of a chain: a reserve for a
+// node that does not answer register reads, such as a computer on the bus.
 constexpr std::array<std::uint8_t, 16> kGapCount = {5,  7,  8,  10, 13, 16, 18, 21,
                                                     24, 26, 29, 32, 35, 37, 40, 43};
 constexpr std::uint32_t kGapCountNever = 63;  // gap count of power-up
@@ -67,7 +67,7 @@ void BoardBus::find_hub() {
   ethernet_only_ = !options_.firewire && firmware >= 9 && is_fpga_v3(ethernet);
 }
 
-// Section 5 #7. A node that does not answer is not there.
+// Section 5 #7. A node that does not answer counts as missing.
 void BoardBus::probe(int node, double timeout) noexcept {
   const Route route = route_to(node);
   BoardInfo& info = scan_.found[node];
@@ -270,7 +270,7 @@ void BoardBus::scan_step() noexcept {
       state_ = BusState::kRefused;
       return;
     }
-    b.suspect = true;  // it may have been off in between
+    b.suspect = true;  // it may have been off in the meantime
     b.read_at.reset();
     b.has_sent.fill(false);
   }

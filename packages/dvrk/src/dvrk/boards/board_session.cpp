@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
 constexpr double kObeyBlocks = 0.005;     // [s] in which blocks must show "off"; otherwise registers are written
-constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
-constexpr double kBlind = 0.1;  // [s] after which boards that do not answer are left to it, once
-constexpr double kBite = 2.0;   // watchdog periods of that silence
+constexpr double kObeyRegisters = 0.020;  // [s] in which boards must obey; afterwards this program is silent, so that the watchdog switches off
+constexpr double kBlind = 0.1;  // [s] after which boards that do not answer are left to their watchdog, once
+constexpr double kBite = 2.0;   // duration of that silence, in watchdog periods
 
 }  // namespace
 
@@ -205,7 +205,7 @@ void BoardSession::commit() noexcept {
   const double in_state = link_.now() - entered_;
   const bool blind = off && !all_valid_;
   const bool disobeyed = off && in_state > kObeyBlocks && amps_stay_on();
-  // A board may use blocks as signs of life only. A watchdog that has tripped stays tripped (14.1).
+  // A board may use blocks only as signs of life. A watchdog that has tripped stays tripped (14.1).
   const bool silent = (disobeyed && in_state > kObeyRegisters) ||
                       (blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog);
   bus_.set_silent(silent);
@@ -237,7 +237,7 @@ void BoardSession::commit() noexcept {
     }
     for (int c = 0; c < kChannels; ++c) channel(b, c).asked = false;
   }
-  if (blind) {  // nodes may have changed: by broadcast alone
+  if (blind) {  // nodes may have changed: only by broadcast
     bus_.switch_off(power_off_asked_ && off_cycles_ >= kAmpsFirst ? BoardBus::Off::kPower
                                                                   : BoardBus::Off::kAmps);
   } else {

@@ -50,14 +50,14 @@ OffState BoardSession::shutdown() noexcept {
   if (state_ != PowerState::kFault) enter(PowerState::kOff);
   const double until = link_.now() + options_.off_timeout;
   OffState seen = OffState::kUnknown;
-  int confirmed = 0;  // in a row: one reply may be corrupt
+  int confirmed = 0;  // confirmations in a row, since one reply may be corrupt
   for (int k = 0; k < kOffRepeats || (confirmed < kConfirmations && link_.now() < until); ++k) {
     bus_.switch_off(BoardBus::Off::kPower);
     if (k % 2 == 1 && bus_.state() == BusState::kRunning) {
       for (int b = 0; b < bus_.boards(); ++b) bus_.switch_off_by_register(b, BoardBus::Off::kPower);
     }
     link_.wait(kOffPause);
-    if (bus_.state() != BusState::kRunning) bus_.read();  // looks for boards that changed nodes
+    if (bus_.state() != BusState::kRunning) bus_.read();  // searches for boards that have changed nodes
     if (k + 1 < kOffRepeats) continue;
     seen = off_state();
     confirmed = seen == OffState::kConfirmed ? confirmed + 1 : 0;

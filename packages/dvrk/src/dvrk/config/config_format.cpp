@@ -99,7 +99,7 @@ class Lines {
   std::vector<std::ptrdiff_t> ends_;
 };
 
-// No configuration is nested deeper than a few levels; a file that is would fill the stack.
+// No configuration is nested deeper than a few levels; a deeper file would overflow the stack.
 constexpr int kDeepest = 30;
 
 void require_depth(int depth, const std::string& file) {
@@ -194,7 +194,7 @@ std::string word_at(const std::string& content, std::size_t at) {
   return c < 0x80 ? text("'", content[at], "'") : "a character that is not UTF-8";
 }
 
-// @param read  characters that were read until it was wrong, the wrong one included.
+// @param read  characters that were read up to and including the wrong one.
 [[noreturn]] void fail_at(const std::string& content, std::size_t read, const std::string& file) {
   if (content.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InvalidInput(text(file, ":1:1: found nothing, expected JSON."));
@@ -206,14 +206,14 @@ std::string word_at(const std::string& content, std::size_t at) {
                           ", expected JSON, which has nothing like it there."));
 }
 
-// Comments are let pass, since the laboratories' files begin with one for their editors.
+// Comments are allowed, since the laboratories' files begin with one for their editors.
 Json parse_json_text(const std::string& content, const std::string& file) {
   try {
     return Json::parse(content, nullptr, true, true);
   } catch (const Json::parse_error& error) {
     fail_at(content, error.byte, file);
   } catch (const Json::exception&) {
-    // Well formed, but a number has no place in a double.
+    // Well-formed, but a number is too large for a double.
     throw InvalidInput(text(file, ": found a number too large to hold, expected finite ones."));
   }
 }

@@ -10,8 +10,8 @@ namespace veridyn::dvrk {
 /// are both members. Repeated elements are consecutive under one name (in JSON: the items of a
 /// list).
 struct ConfigTree {
-  std::string name;     ///< the name in XML; what JSON calls otherwise is translated
-  std::string written;  ///< as the file has it
+  std::string name;     ///< the name in XML; other names in JSON are translated
+  std::string written;  ///< as in the file
   int line = 0;         ///< 0 if unknown (JSON)
   bool scalar = false;  ///< has text and no members
   bool quoted = true;   ///< in JSON: text, not a number or true or false
@@ -26,8 +26,7 @@ enum class ConfigFormat { kXml, kJson };
 ConfigTree parse_config(const std::string& content, const std::string& file, ConfigFormat format);
 std::string print_config(const ConfigTree& tree, ConfigFormat format);
 
-/// JSON's name of an XML element ("BoardID": "board_id"), and the inverse; unchanged where they
-/// agree.
+/// JSON's name of an XML element ("BoardID": "board_id"), and the inverse; unchanged if they agree.
 std::string json_name(const std::string& xml_name);
 std::string xml_name(const std::string& json_name);
 
@@ -38,8 +37,8 @@ struct ConfigSource {
   std::set<const ConfigTree*> used;
 };
 
-/// A node with its position in the file. Every getter throws InvalidInput "file:line: place: found
-/// ..., expected ...". Names are those of XML; messages have those of the file.
+/// A node with its position in the file. Every getter throws InvalidInput "file:line: place: found ...,
+/// expected ...". Names are those of XML; messages contain those of the file.
 class ConfigNode {
  public:
   ConfigNode(const ConfigTree& tree, ConfigSource& source, std::string place)
@@ -51,7 +50,7 @@ class ConfigNode {
 
   bool has(const std::string& name) const { return count(name) > 0; }
   int count(const std::string& name) const;
-  /// The member of that name. Throws if there is none, or (without an index) several.
+  /// The member with this name. Throws if there is none, or (without an index) several.
   ConfigNode at(const std::string& name) const;
   /// All members of that name.
   std::vector<ConfigNode> items(const std::string& name) const;
@@ -69,10 +68,10 @@ class ConfigNode {
   double nonzero(const std::string& name) const;
   int integer_in(const std::string& name, int lower, int upper) const;
   bool flag(const std::string& name, bool fallback) const;
-  /// Its place among the words, which are compared without regard to case.
+  /// Index of its text among the words, compared without regard to case.
   int choice(const std::string& name, const std::vector<std::string>& words, int fallback) const;
 
-  /// A number that XML has as <name Value="1"/> and JSON as "name": 1. Not negative.
+  /// A nonnegative number, in XML <name Value="1"/>, in JSON "name": 1.
   double value(const std::string& name) const;
 
  private:

@@ -29,7 +29,7 @@ class Channels {
   std::map<std::pair<int, int>, std::string> owners_;
 };
 
-// Section 12: the converter has 16 bits, at either side of the calibrated zero.
+// Section 12: the converter has 16 bits, on either side of the calibrated zero.
 void require_current_within_converter(const LinearScale& amps_to_bits, double max_current,
                                       const std::string& file, const std::string& who) {
   if (!(max_current > 0.0) || amps_to_bits.scale == 0.0) return;

@@ -14,15 +14,15 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr int kBoards = 16;
-// No joint of these arms travels farther: a master's roll makes 2.6 turns, an endoscope goes 0.25 m.
+// Larger than the travel of any joint of these arms: a master's roll makes 2.6 turns, an endoscope moves by
+// 0.25 m.
 constexpr double kMostTurns = 3.0;
 constexpr double kMostSlide = 1.0;  // [m]
-// A pot covers 0.9 to 1.1 times the travel of the soft limits, which a laboratory may narrow to some per cent.
-// Limits in radians that are read as degrees are 1/57 of the travel.
+// A pot covers 0.9 to 1.1 times the travel of the soft limits, which a laboratory may reduce to some per
+// cent. Limits in radians that are read as degrees are 1/57 of the travel.
 constexpr double kLeastOfPot = 0.025, kMostOfPot = 8.0;
 
-// Factor to rad or m. A joint that turns has no millimetres. Only JSON, which is in SI, may leave
-// the unit away.
+// Factor to rad or m. A revolute joint has no millimetres. Only JSON, which uses SI, may omit the unit.
 double unit_factor(const ConfigNode& node, bool prismatic, bool has_default) {
   if (has_default && !node.has("Unit")) return 1.0;
   node.word("Unit");
@@ -123,7 +123,7 @@ class Reader {
 
   void read_actuators(const ConfigNode& node, RobotConfig& robot) const {
     const int there = node.count("Actuator");
-    // In JSON the length of the list is the number.
+    // In JSON the number is the length of the list.
     if (!json_ || node.has("NumOfActuator")) {
       const int promised = node.integer_in("NumOfActuator", 0, 4 * kBoards);
       if (promised != there)
@@ -133,8 +133,7 @@ class Reader {
     for (const ConfigNode& actuator : node.items("Actuator")) robot.actuators.push_back(read_actuator(actuator, robot));
   }
 
-  // Robots that are inputs and outputs only (grippers with a pot) may come without motor and
-  // encoder.
+  // Robots with inputs and outputs only (grippers with a pot) may have no motor and encoder.
   ActuatorConfig read_actuator(const ConfigNode& node, const RobotConfig& robot) const {
     const std::string& hardware = robot.hardware;
     ActuatorConfig actuator;

@@ -68,7 +68,7 @@ class Writer {
     tree.members.back().quoted = !json_;
   }
 
-  // Degrees and millimetres in XML, as the laboratories have them.
+  // Degrees and millimetres in XML, as in the laboratories' files.
   double file_unit(double si, bool prismatic) const {
     if (json_) return si;
     return prismatic ? 1e3 * si : si * 180.0 / M_PI;

@@ -47,8 +47,8 @@ bool decode_rev8(QuadletView block, BoardCommand& command) noexcept {
   return true;
 }
 
-// Section 10.4: a board takes quadlets with its own id, and the control word (Rev 7) only where
-// all four have it.
+// Section 10.4: a board uses the quadlets with its own id, and the control word (Rev 7) only if all four have
+// it.
 bool find_rev7(QuadletView blocks, int board, int firmware, BoardCommand& command) noexcept {
   const std::size_t quadlets = write_quadlets(firmware);
   bool found = false;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint32_t kPolynomial = 0x04C11DB7;
 
-// table[k][b]: the effect of byte b with k more bytes behind it.
+// table[k][b]: the effect of byte b followed by k more bytes.
 constexpr auto kTable = [] {
   std::array<std::array<std::uint32_t, 256>, 4> table{};
   for (std::uint32_t b = 0; b < 256; ++b) {

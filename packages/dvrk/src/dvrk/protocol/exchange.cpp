@@ -78,9 +78,9 @@ void Exchange::read_trailer(const Trailer& trailer) noexcept {
   packet_errors_ = trailer.packet_errors;
   if (errors || (trailer.flags & (kFlagInternalError | kFlagProtocolError)) != 0)
     log_.note(Condition::kEthernet, now, {}, {}, trailer.flags);
-  // A packet that is not forwarded has nothing to do with the FireWire bus, nor has its answer: the
-  // laboratory's library does not learn a generation from it either. Before any other was learnt it
-  // is the only one there is.
+  // A packet that is not forwarded does not concern the FireWire bus, nor does its answer: the laboratory's
+  // library does not learn a generation from it either. Before another generation is known it is the only
+  // one.
   const bool local = (trailer.flags & kFlagNoForward) != 0;
   const bool changed = learnt_ && !local && trailer.generation != told_;
   if (!learnt_) generation_ = told_ = trailer.generation;

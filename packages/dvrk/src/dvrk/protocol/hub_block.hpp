@@ -15,18 +15,18 @@ constexpr std::uint16_t next_sequence(std::uint16_t sequence) {
   return sequence == 0xFFFF ? std::uint16_t{1} : static_cast<std::uint16_t>(sequence + 1);
 }
 
-/// The quadlet in front of each board's block in the hub's memory: section 8.3.
+/// The quadlet before each board's block in the hub's memory: section 8.3.
 struct HubHeader {
   std::uint8_t quadlets = 0;       ///< Quadlets of the block with this header; Rev 8 on
   std::uint16_t sequence = 0;      ///< 16 bits for Rev 7, the low 8 from Rev 8 on
-  bool mismatch = false;           ///< Rev 8 on: the board saw another sequence than the hub
+  bool mismatch = false;           ///< Rev 8 on: the board received another sequence number than the hub
   std::uint16_t update_ticks = 0;  ///< since the query
 };
 
 std::uint32_t encode_hub_header(const HubHeader& header, int firmware) noexcept;
 HubHeader decode_hub_header(std::uint32_t word, int firmware) noexcept;
 
-/// Does a header answer the query with this sequence number?
+/// True if a header answers the query with this sequence number.
 bool answers(const HubHeader& header, std::uint16_t sequence, int firmware) noexcept;
 
 /// The last quadlet of the hub's memory.

@@ -122,7 +122,7 @@ double UdpLink::now() noexcept {
 
 void UdpLink::wait(double seconds) noexcept {
   if (!(seconds > 0.0)) return;
-  if (seconds < kSpun) {  // sleeping takes longer than that
+  if (seconds < kSpun) {  // shorter than any sleep
     for (const double until = now() + seconds; now() < until;) {
     }
     return;
@@ -136,7 +136,7 @@ std::uint32_t UdpLink::address_word() const noexcept {
   return __builtin_bswap32(server_);
 }
 
-// Before the hub is known any board may be it; from Rev 9 on its id is part of its address.
+// Before the hub is known it may be any board; from Rev 9 on its id is part of its address.
 bool UdpLink::may_answer(std::uint32_t address) const noexcept {
   if (address == server_ || address == board_) return true;
   return !hub_known_ && address - server_ < static_cast<std::uint32_t>(kMaxBoards);

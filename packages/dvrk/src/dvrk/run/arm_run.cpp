@@ -35,7 +35,7 @@ class PidController final : public MotionController {
   double dt_;
 };
 
-constexpr double kSilence = 0.5;        // [s] without a valid read at the end: the boards are gone
+constexpr double kSilence = 0.5;        // [s] without a valid read at the end, after which the boards count as lost
 constexpr double kIntegralShare = 0.5;  // share of the largest torque
 constexpr double kLargestError = 0.35;  // [rad]
 constexpr double kLargestErrorSliding = 0.02;  // [m]
@@ -72,7 +72,7 @@ VectorXd default_largest_errors(const RobotConfig& robot) {
   return out;
 }
 
-// Computed as if one motor worked at a time.
+// Computed as if only one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm) {
   const int n = arm.size();
   VectorXd effort(n);
@@ -116,7 +116,7 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
   MotionSamples none;
   none.time = Eigen::Vector2d(0.0, seconds);
   none.q = none.dq = MatrixXd(2, 0);
-  RunOptions at_once = options;  // without an approach
+  RunOptions at_once = options;  // the same options without an approach
   at_once.approach_time = 1.0 / options.rate;
   at_once.settle = 0.0;
   return run_checked(arm, link, none, joints, controller, at_once, stop);
@@ -143,7 +143,7 @@ std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, 
   return "stopped by a signal";
 }
 
-// Remark on positions whose encoders failed, which stops nothing while no motor is driven.
+// Remark on positions with failed encoders, which do not end a run without a driven motor.
 std::string encoder_remark(const FaultLog& faults) {
   const FaultEntry& failed = faults[Condition::kEncoder];
   if (failed.count == 0) return "";

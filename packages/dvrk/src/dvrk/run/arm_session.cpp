@@ -8,7 +8,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Between two readings of the pots where no rate is given; the watchdog is quiet meanwhile.
+// Time between two readings of the pots if no rate is given, short enough for the watchdog.
 constexpr double kPotPeriod = 0.001;  // [s]
 
 Socket socket(const std::vector<int>& boards, int board, int axis) {
@@ -78,7 +78,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.bus.repeat_after = how.repeat_after;
   options.follow = how.follow;
   options.stall = how.stall;
-  // Whoever lets the boards wait longer for a word also waits longer for theirs.
+  // A longer watchdog allows more lost reads in a row.
   const double reply = std::max(how.reply_timeout, BusOptions().reply_timeout);
   options.lost_reads = std::max(options.lost_reads, static_cast<int>(how.watchdog / reply));
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
@@ -155,7 +155,7 @@ void ArmSession::require_velocities() const {
   }
 }
 
-// Ids are switches that anybody sets; serial numbers are not.
+// Ids are set by switches; serial numbers cannot be changed.
 void ArmSession::require_own_boards() {
   const std::vector<int> ids = boards_of(robot());
   for (const BoardSerial& own : robot().board_serials) {
@@ -233,7 +233,7 @@ const char* ArmSession::power_on() noexcept {
   return boards_.power_on();
 }
 
-// @returns why it could not be done; empty if it was.
+// @returns the reason for a failure; empty after success.
 std::string ArmSession::average_pots(VectorXd& mean) {
   VectorXd low = VectorXd::Constant(size(), 65535.0);
   VectorXd high = VectorXd::Zero(size());
@@ -278,7 +278,7 @@ std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
         actuator_q[static_cast<Eigen::Index>(k)] / robot().actuators[k].bits_to_position;
     if (!(std::abs(counts) < kEncoderZero - 1.0))
       return text("actuator ", k, " stands at ", counts, " counts, more than 24 bits");
-    // Zero counts would look uninitialised to the next client: one count instead.
+    // A counter of zero would look uninitialised to the next client: one count instead.
     const std::int32_t loaded = encoder_counts(words[k]) == 0 ? 1 : encoder_counts(words[k]);
     if (!boards_.preload(sockets_[k].place, sockets_[k].channel, loaded))
       return text("the encoder of actuator ", k, " does not take its preload");
@@ -321,8 +321,7 @@ const HomingReport& ArmSession::home() {
 
 namespace {
 
-// @returns false: no board answers a client that never announced itself, as after they were
-// switched on.
+// @returns false: no board answers a client that has not announced itself, as after the boards' power-up.
 bool confirms_power_off(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options) {
   ArmSession look(link, robot, options);
   try {

@@ -13,7 +13,7 @@ namespace {
 
 using namespace dvrk;
 
-// An arm's wiring and, where it is known, its coupling and the laboratory's gains.
+// An arm's wiring and, if known, its coupling and the laboratory's gains.
 struct Wiring {
   RobotConfig robot;
   MatrixXd coupling;  // empty: identity
@@ -69,7 +69,7 @@ struct BoardArm::Parts {
   VectorXd kp, kd;
   UdpLink link;
   ArmSession session;
-  VectorXd held, all;  // where power found the joints; torques
+  VectorXd held, all;  // positions at power-up; torques
   bool was_ready = false;
 };
 

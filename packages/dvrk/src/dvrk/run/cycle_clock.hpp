@@ -9,8 +9,8 @@
 
 namespace veridyn::dvrk {
 
-/// Begins cycles at a fixed rate, and keeps count of those that came late and of the gaps between
-/// writes. One cycle is begin(), reading, read(), computing and writing, end().
+/// Begins cycles at a fixed rate, and counts late cycles and gaps between writes. One cycle is begin(),
+/// reading, read(), computing and writing, end().
 class CycleClock {
  public:
   CycleClock(DatagramLink& link, double rate) : link_(link), period_(1.0 / rate) {
@@ -75,9 +75,9 @@ class CycleClock {
     watch_rate(now);
   }
 
-  /// Less than half of the cycles came in time, for half a second.
+  /// True if less than half of the cycles were on time for half a second.
   bool persistently_late() const { return persistently_late_; }
-  /// The cycles of the last such window, and those that were due.
+  /// Number of cycles in the last such window, and of those that were due.
   long cycles_in_window() const { return window_had_; }
   long cycles_due() const { return window_due_; }
 

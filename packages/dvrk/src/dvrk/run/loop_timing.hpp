@@ -4,7 +4,7 @@
 
 namespace veridyn::dvrk {
 
-/// The time between two writes to the boards, and where it went. All [s].
+/// The time between two writes to the boards, and its parts. All [s].
 struct WriteGap {
   double at = 0.0;           ///< end of the gap since the loop began
   double seconds = 0.0;      ///< between the two writes
@@ -12,10 +12,10 @@ struct WriteGap {
   double woken_late = 0.0;   ///< by the system, after the planned time
   double replies = 0.0;      ///< waiting for the boards and the network
   double own = 0.0;          ///< processor time of this program
-  double interrupted = 0.0;  ///< ready to run, but the system ran something else
+  double interrupted = 0.0;  ///< ready to run while the system ran another program
 };
 
-/// Whose doing a late cycle or a gap is: the largest part of it that was not planned.
+/// Cause of a late cycle or a gap: the largest part that was not planned.
 enum class LateReason {
   kSystem,   ///< woken late, or interrupted
   kReplies,  ///< boards or network
@@ -38,7 +38,7 @@ struct LoopTiming {
   double rate = 0.0;      ///< [Hz] requested rate
   WriteGap longest_gap;
 
-  /// Cycles per second as they were.
+  /// Measured number of cycles per second.
   double reached() const { return seconds > 0.0 ? static_cast<double>(cycles) / seconds : rate; }
 };
 

@@ -15,24 +15,23 @@ namespace veridyn::dvrk {
 /// leaves_range() tests a motion before power-up and the arm during the run.
 class MotionCheck {
  public:
-  /// @param joints  that the motion moves, from the first on.
+  /// @param joints  number of joints in the motion, the first ones of the arm.
   MotionCheck(const ArmSession& arm, const MotionController& controller, Eigen::Index joints);
 
   /// @throws InvalidInput  a set point leaves the limits, with the time, the joint, and how far the
   ///                       motion would have to shrink.
   void require_inside(const MotionSamples& motion, double rate) const;
 
-  /// Why an arm cannot begin here; empty if it can.
+  /// Reason for which an arm cannot begin here; empty if it can.
   std::string objection_to(const VectorXd& q) const;
 
-  /// The actuator of a moving arm that is about to leave its soft limits; -1: none. Does not
-  /// allocate.
+  /// The actuator of a moving arm that will leave its soft limits; -1: none. Does not allocate.
   int leaving_actuator(const BoardArmState& state) const noexcept;
 
  private:
   struct Guard {
     std::string name;
-    const char* whose;   ///< whose limits they are
+    const char* whose;   ///< owner of the limits
     VectorXd of_joints;  ///< (n) row: maps joint positions to the guarded position
     PositionRange range;
     double velocity;  ///< largest

@@ -25,10 +25,10 @@ struct Approach {
 };
 
 constexpr double kLooking = 0.1;       // [s] of reading before power-up
-constexpr double kLookingAgain = 0.5;  // [s] of reading after a stall
+constexpr double kLookingAgain = 0.5;  // [s] of reading again after a stall
 constexpr int kLooks = 6;
-constexpr double kLongestGap = 0.5;    // of the watchdog's time, between two writes
-constexpr double kMostLate = 0.05;     // share of cycles that begin late: as of a run on the whole
+constexpr double kLongestGap = 0.5;    // largest gap between two writes, as a share of the watchdog's time
+constexpr double kMostLate = 0.05;     // largest share of late cycles, the same as for a whole run
 
 }  // namespace
 
@@ -81,7 +81,7 @@ bool MotionRun::cycle(Make&& make) {
     sound = control();
   }
   if (!ready) reset_controller();
-  arm_.commit();  // without torques: without currents
+  arm_.commit();  // without torques, so that currents are zero
   clock_.end();
   if (!sound) return end(blind_since_ ? blindness_text(now) : controller_.refusal_reason());
   note_blindness(now, valid);
@@ -150,7 +150,7 @@ bool MotionRun::end(const std::string& why) {
   return false;
 }
 
-// Before power: whether this machine and its boards keep the time that a watchdog allows. A stall is
+// Before power-up: checks that this machine and its boards meet the times of the watchdog. One stall is
 // tolerated; a machine that stalls repeatedly must not move an arm.
 bool MotionRun::check_reads() {
   looks_ = true;

@@ -18,7 +18,7 @@ namespace veridyn::dvrk {
 /// and is switched off in any case.
 class MotionRun {
  public:
-  /// @param recorded  joints that are kept. All references outlive the run.
+  /// @param recorded  number of joints that are recorded. All references must outlive the run.
   MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, Eigen::Index recorded,
             MotionController& controller, const MotionCheck& check, const RunOptions& options,
             const std::atomic<bool>& stop);
@@ -60,7 +60,7 @@ class MotionRun {
   JointReference wanted_;
   VectorXd tau_;
   std::optional<double> before_;  // [s] of the last call for torques
-  std::optional<double> blind_since_;  // [s] begin of the first cycle in a row without a valid read,
+  std::optional<double> blind_since_;  // [s] begin of the first cycle in a row without a valid read
   Condition blindness_ = Condition::kNoReply;  // and why
   std::string why_, busy_;
   bool looks_ = false;  // before power

@@ -13,7 +13,7 @@ namespace veridyn::dvrk {
 /// A loop below this share of its rate counts as incomplete.
 constexpr double kLeastRate = 0.95;
 
-/// Why a loop is stopped that is late all the time.
+/// Reason for which a loop that is late all the time is stopped.
 std::string lateness_text(const CycleClock& clock);
 
 /// Reason for which a completed loop is unsatisfactory; empty if it is not.

@@ -14,10 +14,10 @@ namespace veridyn::dvrk {
 struct ArmJoint {
   std::string name;
   bool prismatic = false;
-  std::optional<DhRow> dh;  ///< nullopt: it moves no frame (the jaw)
+  std::optional<DhRow> dh;  ///< nullopt: the joint moves no frame (the jaw)
   double lower = 0.0;       ///< [rad] or [m]
   double upper = 0.0;
-  double velocity = 0.0;  ///< largest [rad/s] or [m/s]; 0: not known
+  double velocity = 0.0;  ///< largest [rad/s] or [m/s]; 0: unknown
 };
 
 /// One motor with its gear, encoder and pot, before calibration.
@@ -62,7 +62,7 @@ struct ArmFacts {
   MatrixXd actuator_to_joint;  ///< without an instrument
   MatrixXd pots_to_actuators;  ///< empty: pots sit on the actuators
   std::vector<ArmInstrument> instruments;
-  Eigen::Matrix4d T_last_tip = Eigen::Matrix4d::Identity();  ///< behind the last DH row
+  Eigen::Matrix4d T_last_tip = Eigen::Matrix4d::Identity();  ///< T from the frame of the last DH row to the tip
 
   /// K with an instrument; without one if the name is empty.
   /// @throws InvalidInput  the arm knows no such instrument.
@@ -75,7 +75,7 @@ struct ArmFacts {
 /// The arm of that name ("PSM1", "MTMR", "ECM"), from data/dvrk or $VERIDYN_DVRK; or from a file,
 /// if the name is "FILE.yaml:NAME".
 /// @throws InvalidInput  there is no such arm, or its file is wrong: file, line, found, expected; its
-/// nominal_config() cannot be (check_io_config(): two motors on one channel).
+/// nominal_config() is invalid (check_io_config(): two motors on one channel).
 ArmFacts read_arm(const std::string& name);
 
 /// Names that read_arm() knows.
@@ -85,7 +85,7 @@ std::vector<std::string> arm_names();
 /// functions. @throws InvalidInput  no joint has a DH row.
 Model arm_model(const ArmFacts& arm);
 
-/// A configuration of nominal scales, as of an uncalibrated arm; pots without facts cover the
+/// A configuration of nominal scales, as of an uncalibrated arm; pots without a known scale cover the
 /// actuator's range.
 IoConfig nominal_config(const ArmFacts& arm);
 

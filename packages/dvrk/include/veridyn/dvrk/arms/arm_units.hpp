@@ -14,7 +14,7 @@ struct RawActuator {
   EncoderWords encoder;
   std::uint16_t pot = 0;
   std::uint16_t current = 0;  ///< as measured
-  double seconds = 0.0;       ///< since the read before, see BoardFeedback::seconds()
+  double seconds = 0.0;       ///< since the previous read, see BoardFeedback::seconds()
 };
 
 /// State of an arm in SI units; n entries each [rad, m], [rad/s, m/s], [N m, N], [A].
@@ -33,9 +33,9 @@ struct ArmCommand {
 
   std::vector<std::uint16_t> bits;  ///< for the converters, one per actuator
   VectorXd current;                 ///< [A] after clipping
-  VectorXd tau;                     ///< joint torques that these currents give
+  VectorXd tau;                     ///< joint torques for these currents
   bool clipped = false;             ///< an actuator would have needed more than its largest current
-  bool valid = false;               ///< false: the torques were not numbers, all currents are zero
+  bool valid = false;               ///< false: the torques were not finite, and all currents are zero
 };
 
 /// Counts, bits and volts of one arm's boards to SI units and back, through its coupling:
@@ -63,8 +63,8 @@ class ArmUnits {
   /// @param state  of size().
   void read(const RawActuator* raw, BoardArmState& state) noexcept;
 
-  /// Bits for joint torques. Every current is held within its actuator's largest; torques that are
-  /// not numbers give zero current everywhere.
+  /// Bits for joint torques. Every current is limited to its actuator's largest; torques that are not finite
+  /// give zero current everywhere.
   /// @param tau  (n) [N m, N], a stored vector.
   void write(const VectorXd& tau, ArmCommand& command) noexcept;
 
@@ -77,7 +77,7 @@ class ArmUnits {
   /// Words that load the encoders with positions of the actuators [rad, m].
   void preload_words(const VectorXd& actuator_q, std::uint32_t* words) const noexcept;
 
-  /// Drops the previous counts, after the encoders were loaded.
+  /// Forgets the previous counts, after the encoders were loaded.
   void reset() noexcept { has_previous_ = false; }
 
  private:

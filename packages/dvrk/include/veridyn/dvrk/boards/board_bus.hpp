@@ -25,8 +25,8 @@ enum class CycleProtocol {
 /// Access of a client to the boards.
 enum class Access {
   kDrive,  ///< reads and writes
-  /// Only reads: no packet is sent that changes a board, so that another client may drive it.
-  /// Reads of real-time blocks restart the boards' timestamps, however, which that client sees.
+  /// Only reads: no packet is sent that changes a board, so that another client may drive it. Reads of
+  /// real-time blocks, however, restart the boards' timestamps, which affects that client.
   kListen,
   kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
 };
@@ -38,14 +38,14 @@ struct BusOptions {
   /// power-up their address (section 5, #1 and #3).
   bool announce = false;
   CycleProtocol protocol = CycleProtocol::kAutomatic;
-  double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
-  /// [s] after which a read without a reply is repeated within a cycle (Exchange); 0: never. A
-  /// reply takes 0.15 ms; the rest of the cycle absorbs the wait.
+  double reply_timeout = 0.020;      ///< [s]; also for all replies of a cycle
+  /// [s] after which a read without a reply is repeated within a cycle (Exchange); 0: never. A reply takes
+  /// 0.15 ms, so that the rest of the cycle is sufficient for the wait.
   double repeat_after = 0.001;
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
-  /// FireWire joins the boards, though the hub is an FPGA V3 with firmware 9, which is taken for
-  /// one of a bus that Ethernet alone joins.
+  /// FireWire connects the boards, although the hub is an FPGA V3 with firmware 9, which otherwise means a
+  /// bus of Ethernet alone.
   bool firewire = false;
   std::size_t mtu = 1500;            ///< [bytes] largest packet on the route to the boards
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
@@ -53,7 +53,7 @@ struct BusOptions {
 
 struct BoardInfo {
   int id = -1;
-  std::optional<int> node;  ///< nothing: not found on the bus
+  std::optional<int> node;  ///< nullopt: not found on the bus
   int firmware = 0;
   std::uint32_t hardware = 0;
   std::uint32_t status = 0;
@@ -63,8 +63,8 @@ struct BoardInfo {
 enum class BusState {
   kClosed,  ///< start() was not called
   kRunning,
-  kScanning,  ///< nodes have changed; read() looks for the boards again, one node per call
-  kRefused    ///< what was found then cannot be used: start() again
+  kScanning,  ///< nodes have changed; read() searches for the boards again, one node per call
+  kRefused    ///< the boards that were found cannot be used: call start() again
 };
 
 /// The client's side of the boards: bus scan, real-time cycle, registers. Detects conditions 1 to
@@ -72,16 +72,15 @@ enum class BusState {
 /// start() nothing allocates or throws.
 class BoardBus {
  public:
-  /// @throws InvalidInput  no boards, too many, an id twice or beyond 15.
+  /// @throws InvalidInput  no boards, too many, an id that occurs twice or is above 15.
   BoardBus(DatagramLink& link, const BusOptions& options);
 
   /// Session start: section 5. Takes about half a second.
   /// While listening nothing is written, and the protocol is the sequential one, unless a
   /// broadcast read is asked for: that needs a query, which is a write that changes no output.
   ///
-  /// @throws InvalidInput  no hub, a board in use is missing, twice there, or not what this
-  ///                       program can drive; a broadcast protocol over mixed firmware, or one
-  ///                       that does not fit the MTU.
+  /// @throws InvalidInput  no hub; a board in use is missing, occurs twice, or is not supported; a broadcast
+  /// protocol with mixed firmware, or one that does not fit the MTU.
   void start();
 
   BusState state() const { return state_; }
@@ -92,7 +91,7 @@ class BoardBus {
   const FaultLog& faults() const { return log_; }
   FaultLog& faults() { return log_; }
 
-  /// Reads all boards. @returns whether all of them are valid.
+  /// Reads all boards. @returns true if all of them are valid.
   bool read() noexcept;
   /// While silent, reads send no query, because a query is a write that resets watchdogs (section 14.1).
   void set_silent(bool silent) noexcept { silent_ = silent; }
@@ -100,31 +99,31 @@ class BoardBus {
   const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
   /// Cycles in a row without a valid read.
   int lost_reads(int b) const { return boards_[b].lost_reads; }
-  /// Reason for the loss of the last one.
+  /// Reason for the last lost read.
   Condition loss_reason(int b) const { return boards_[b].loss; }
-  /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
-  /// registers of its channels, one of them every few cycles.
+  /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the registers of its
+  /// channels, of which one is read every few cycles.
   int lost_writes(int b) const { return boards_[b].lost_writes; }
   /// Why the block of board b does not show the last command: kNotEffective, or kOldReplies where the channel's
   /// register holds the command.
   Condition unconfirmed_reason(int b) const { return boards_[b].unshown; }
-  /// Looks at the registers of every board in the next cycles, one board in each, whether it has restarted.
+  /// Checks in the next cycles, one board in each, whether a board has restarted, by its registers.
   void check_all_for_restart() noexcept {
     for (Board& b : boards_) b.suspect = true;
   }
-  /// The board has restarted: watchdog and preloads are those of power-up.
+  /// The board has restarted: watchdog and preloads have their power-up values.
   bool rebooted(int b) const { return boards_[b].rebooted; }
   bool link_lost() const { return link_lost_; }
-  /// The present feedback was measured between its first request and its last reply, which may have
-  /// come late [s of the link's clock].
+  /// Interval in which the present feedback was measured: between its first request and its last reply, which
+  /// may have come late [s of the link's clock].
   struct Interval {
     double from = 0.0, to = 0.0;
   };
   Interval measured() const noexcept;
-  /// Reason for the present scan for boards.
+  /// Reason for the present bus scan.
   Condition scan_reason() const { return unrest_; }
 
-  /// Command of the next write(), which resets it to "nothing".
+  /// Command of the next write(), which resets it to "no change".
   BoardCommand& command(int b) { return boards_[b].command; }
   /// Sends all commands; keeps the watchdogs alive even without commands. While nodes are unknown,
   /// sends switch_off(false) instead.
@@ -142,7 +141,7 @@ class BoardBus {
   /// Registers of one board; false, and nothing sent, while nodes are unknown.
   bool read_register(int b, std::uint16_t address, std::uint32_t& value) noexcept;
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
-  /// Writes, reads back, repeats twice. @returns whether it is there.
+  /// Writes and reads back, with two repeats. @returns true if the register has the value.
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Serial number "1234-56" of a QLA, from its memory: section 7.6. Empty: it has none.
   std::string qla_serial(int b);
@@ -150,7 +149,7 @@ class BoardBus {
   bool set_watchdog(double seconds) noexcept;
 
   const ReplyLoss& reply_loss() const { return exchange_.loss(); }
-  /// [s] of the last read() in which replies had come, but this program did not run.
+  /// [s] of the last read() in which replies had arrived, but this program did not run.
   double queue_delay() const { return exchange_.queue_delay(); }
 
  private:
@@ -160,7 +159,7 @@ class BoardBus {
     BoardCommand command;
     std::array<std::uint16_t, kChannels> zero{};
     std::array<std::uint16_t, kChannels> sent{};    ///< last value of each channel
-    std::array<std::uint16_t, kChannels> before{};  ///< the one before it
+    std::array<std::uint16_t, kChannels> before{};  ///< the value before it
     std::array<bool, kChannels> has_sent{};
     std::optional<double> read_at;
     double asked_at = 0.0;
@@ -170,7 +169,7 @@ class BoardBus {
     int lost_reads = 0;
     Condition loss = Condition::kNoReply;
     int lost_writes = 0;
-    std::optional<std::size_t> hidden;  ///< channel whose last command the block does not show
+    std::optional<std::size_t> hidden;  ///< channel whose last command is not in the block
     Condition unshown = Condition::kNotEffective;
   };
 
@@ -183,7 +182,7 @@ class BoardBus {
   /// Reason for refusing the boards found.
   struct Objection {
     Condition condition = Condition::kNoReply;
-    std::optional<int> board = {};  ///< place in boards_, or the id that is there twice; nothing: no objection
+    std::optional<int> board = {};  ///< index in boards_, or the id that occurs twice; nullopt: no objection
   };
 
   Route route(const Board& b) const;

@@ -11,31 +11,30 @@
 
 namespace veridyn::dvrk {
 
-/// Limits of a motor channel, in bits, so that the boards' safety does not depend on a conversion
-/// to SI units.
+/// Limits of a motor channel in bits, so that the boards' safety does not depend on a conversion to SI units.
 struct ChannelSafety {
   bool used = false;
   std::uint16_t zero_command = kZeroCurrent;  ///< DAC bits of no current, by calibration
   double zero_feedback = kZeroCurrent;        ///< ADC bits of no current
-  double feedback_per_command = 1.0;          ///< ADC bits that one DAC bit makes
+  double feedback_per_command = 1.0;          ///< ADC bits for one DAC bit
   double max_current = 0.0;                   ///< largest |command - zero| [bits]
   /// Pot against encoder: positions in any unit. Tolerance 0: not compared.
   LinearScale counts_to_position;
   LinearScale pot_to_position;
   double pot_tolerance = 0.0;
   double pot_latency = 0.010;   ///< [s]
-  bool watch_pot_rail = false;  ///< a pot at an end of its converter refuses power
-  double rest_counts = 0.0;     ///< a motor that moves by less in SessionOptions::stall stands still; 0: not watched
+  bool watch_pot_rail = false;  ///< a pot at an end of its converter prevents power-up
+  double rest_counts = 0.0;     ///< motion during SessionOptions::stall below which a motor stands still; 0: not checked
 };
 
-/// True if a pot's reading [bits] is at an end of the converter: it is then invalid, or its wire is
-/// broken. 16 bits are 1.1 mV.
+/// True if a pot's reading [bits] is at an end of the converter: it is invalid, or its wire is broken. 16
+/// bits are 1.1 mV.
 constexpr bool at_rail(double pot_bits) {
   return pot_bits <= 16.0 || pot_bits >= 65535.0 - 16.0;
 }
 
-/// An amplifier that is on must give one of the last commands: within `margin` [bits] and `share` of
-/// that command, or its power goes after so many cycles.
+/// The measured current of an amplifier that is on must match one of the last commands within `margin` [bits]
+/// and `share` of that command; otherwise power is switched off after this many cycles.
 struct CurrentFollowing {
   int cycles = 10;
   double margin = 262.0;  ///< 50 mA: section 14.6
@@ -51,11 +50,11 @@ struct SessionOptions {
   int lost_writes = 3;             ///< in a row, then amplifiers off
   int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
   CurrentFollowing follow;
-  double stall = 0.25;             ///< [s] near its largest current at a standstill, then power off
+  double stall = 0.25;             ///< [s] near its largest current at a standstill, after which power is switched off
   double relay_timeout = 0.2;      ///< [s]
   double supply_timeout = 3.0;     ///< [s]
   double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the transmission: section 14.2
-  double off_timeout = 0.5;        ///< [s] in which boards must confirm that they are off
+  double off_timeout = 0.5;        ///< [s] within which boards must confirm that they are off
   double warm = 60.0, hot = 65.0;  ///< [degC]
 };
 
@@ -71,7 +70,7 @@ const char* describe(OffState state);
 
 /// State of a session between power-up and currents.
 enum class PowerState {
-  kOff,    ///< amplifiers and power are commanded off, again in every cycle
+  kOff,    ///< amplifiers and power are commanded off in every cycle
   kRelay,  ///< the safety relay closes
   kPower,  ///< the motor supply is being switched on
   kAmps,   ///< amplifiers come up with zero current
@@ -99,12 +98,12 @@ class BoardSession {
   BoardSession(const BoardSession&) = delete;
   BoardSession& operator=(const BoardSession&) = delete;
 
-  /// Finds the boards, switches them off, sets the watchdogs and verifies them. Again after a board
-  /// was rebooted, or after a scan that was refused.
+  /// Finds the boards, switches them off, sets the watchdogs and verifies them. Call it again after a board
+  /// has restarted, or after a scan that was rejected.
   /// @throws InvalidInput  as BoardBus::start(); a watchdog cannot be set.
   void start();
 
-  /// Reads all boards, checks them, moves on with power-up. @returns whether all are valid.
+  /// Reads all boards, checks them, and continues the power-up. @returns true if all are valid.
   bool update() noexcept;
   /// Sets the motor current in state kOn [DAC bits], limited. Valid for one commit().
   void set_command(int board, int channel, double bits) noexcept;
@@ -112,25 +111,24 @@ class BoardSession {
   /// commands are held.
   void commit() noexcept;
 
-  /// Begins to power up. @returns nullptr, or why not.
+  /// Begins to power up. @returns nullptr, or the reason for a refusal.
   const char* power_on() noexcept;
-  /// Amplifiers off with the next commit(), then power.
+  /// Switches amplifiers off with the next commit(), then power.
   void power_off() noexcept;
-  /// KFault -> kOff. @returns false: the bus is not running, or a board was restarted: call
-  /// start().
+  /// kFault -> kOff. @returns false: the bus is not running, or a board has restarted: call start().
   bool acknowledge() noexcept;
   /// Switches off by broadcast and by register, repeatedly until every board in use reads as off,
   /// for at most SessionOptions::off_timeout. If a link loses writes, or boards do not answer, the
   /// result differs from kConfirmed: the state is then unknown, and only the emergency stop helps.
   OffState shutdown() noexcept;
 
-  /// Loads an encoder and verifies it. @returns false: it is not there, or the overflow bit stays.
+  /// Loads an encoder and verifies it. @returns false: the value is not there, or the overflow bit stays.
   bool preload(int board, int channel, std::int32_t counts) noexcept;
   /// False only if the board reports a preload since its start.
   bool needs_preload(int board, int channel) noexcept;
 
   PowerState state() const { return state_; }
-  /// The condition that led to kFault; kNoReply before any.
+  /// The condition that led to kFault; kNoReply before a fault.
   Condition cause() const { return cause_; }
   /// The same as text, with the board and the channel concerned.
   std::string cause_text() const;
@@ -147,10 +145,10 @@ class BoardSession {
     std::uint16_t held = kZeroCurrent;
     bool asked = false;
     int excess_cycles = 0;
-    std::array<std::uint16_t, 4> sent{};  ///< last commands, of which lost writes leave older ones
+    std::array<std::uint16_t, 4> sent{};  ///< last commands; older ones matter after lost writes
     std::optional<double> amp_missing_since;
     std::optional<double> pot_off_since;
-    double stalled = 0.0;            // [s] near its largest current, less those below it
+    double stalled = 0.0;            // [s] near its largest current, minus the time below it
     std::int32_t stalled_at = 0;     // [counts]
   };
 
@@ -197,7 +195,7 @@ class BoardSession {
   double entered_ = 0.0;
   bool all_valid_ = false;
   bool started_ = false;
-  bool power_off_asked_ = true;  ///< in kOff and kFault: the supply as well
+  bool power_off_asked_ = true;  ///< switch off the supply as well, in kOff and kFault
   int off_cycles_ = 0;
 };
 

@@ -11,7 +11,7 @@ namespace veridyn::dvrk {
 
 enum class VelocitySource { kFirmware, kSoftware };
 
-/// A brake on an analog channel (ECM): released with a push of current, then held open with less.
+/// A brake on an analog channel (ECM): a pulse of current releases it, and a smaller one keeps it open.
 struct BrakeConfig {
   int board = 0;
   int axis = 0;
@@ -49,7 +49,7 @@ struct PotTolerance {
   double latency = 0.0;   ///< [s]
 };
 
-/// Serial number of the QLA board with an id: "1234-56", from its memory and its label.
+/// Serial number of the QLA board with an id: "1234-56", as in its memory and on its label.
 struct BoardSerial {
   int board = 0;
   std::string serial;
@@ -60,12 +60,12 @@ struct RobotConfig {
   std::string name;
   std::string hardware;  ///< "QLA1", "DQLA" or "dRA1"
   std::string serial;
-  /// Boards that are this robot's and no other's: two arms may have the same ids. Empty: not known.
+  /// Boards of this robot, since two arms may have the same ids. Empty: unknown.
   std::vector<BoardSerial> board_serials;
-  bool io_only = false;  ///< its actuators may lack drive and encoder: zeros there
+  bool io_only = false;  ///< its actuators may have no drive and encoder, which are then zero
   bool has_encoder_preload = true;
   std::vector<ActuatorConfig> actuators;
-  std::string pot_lookup_table;  ///< file of digital pots; kept, not read
+  std::string pot_lookup_table;  ///< file of digital pots; stored, not read
   MatrixXd pots_to_actuators;    ///< (n x n), where pots sit on joints; empty: on the actuators
   std::vector<PotTolerance> pot_tolerances;
 
@@ -115,27 +115,27 @@ struct IoConfig {
   const RobotConfig& robot(const std::string& name = "") const;
 };
 
-/// Reads XML (Config Version 5) or JSON ("$version" 6), distinguished by the first character.
+/// Reads XML (Config Version 5) or JSON ("$version" 6), which are distinguished by the first character.
 ///
 /// @throws InvalidInput  "file:line: Robot PSM1/Actuator 3/Drive: found ..., expected ...".
 IoConfig read_io_config(const std::string& path);
 
-/// The two formats from memory; `file` is what messages call it.
+/// The two formats from memory; `file` is the name in messages.
 IoConfig read_io_xml(const std::string& content, const std::string& file);
 
-/// The JSON form is known by its names only (no sample file was at hand). Assumed here: members as
-/// to_io_json() writes them, SI units where no unit is given, "number_of_actuators" may be missing,
-/// rows of matrices are lists. Also read: "trigger_when_pressed", "trigger_when_released",
-/// "pressed_value", "debounce_threshold", "debounce_threshold_click", "brake". Members that are
-/// unknown are listed in IoConfig::remarks.
+/// The JSON form is known by its names only (no sample file was available). Assumptions: members as
+/// to_io_json() writes them, SI units if no unit is given, "number_of_actuators" may be missing, rows of
+/// matrices are lists. Also read: "trigger_when_pressed", "trigger_when_released", "pressed_value",
+/// "debounce_threshold", "debounce_threshold_click", "brake". Unknown members are listed in
+/// IoConfig::remarks.
 IoConfig read_io_json(const std::string& content, const std::string& file);
 
 /// The file's text; reading it gives the same values up to 1e-15 (XML: degrees and millimetres).
 std::string to_io_xml(const IoConfig& config);
 std::string to_io_json(const IoConfig& config);
 
-/// Rules that no single element breaks: no board and axis twice, names unique, tolerances in order,
-/// axes that the hardware has. Both readers call it.
+/// Rules that concern several elements: no board and axis twice, names unique, tolerances in order, axes that
+/// the hardware has. Both readers call it.
 /// @throws InvalidInput  "file: ...".
 void check_io_config(const IoConfig& config, const std::string& file);
 

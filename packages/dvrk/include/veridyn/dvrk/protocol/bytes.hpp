@@ -5,13 +5,13 @@
 
 namespace veridyn::dvrk {
 
-/// Bytes that belong to someone else.
+/// Bytes that are not owned.
 struct ByteView {
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 };
 
-/// Bytes of someone else that may be written.
+/// Writable bytes that are not owned.
 struct ByteSpan {
   std::uint8_t* data = nullptr;
   std::size_t size = 0;
@@ -31,7 +31,7 @@ inline void store_quadlet(std::uint8_t* at, std::uint32_t value) {
   at[3] = static_cast<std::uint8_t>(value);
 }
 
-/// Quadlets in wire order, read by index. Beyond its end there are zeros, never foreign bytes.
+/// Quadlets in wire order, read by index. Beyond the end they are zero.
 class QuadletView {
  public:
   QuadletView() = default;

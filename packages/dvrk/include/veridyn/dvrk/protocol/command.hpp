@@ -14,7 +14,7 @@ enum class AmpRequest : std::uint8_t { kKeep, kOff, kOn };
 struct ChannelCommand {
   bool valid = false;
   bool collect = false;
-  AmpRequest amp = AmpRequest::kKeep;  ///< Rev 8 on; older ones have the control word for it
+  AmpRequest amp = AmpRequest::kKeep;  ///< Rev 8 on; older boards use the control word
   std::uint8_t mode = 0;               ///< 0 current, 1 voltage; Rev 8 on
   std::uint16_t value = 0;             ///< DAC bits; kZeroCurrent is zero current
 };
@@ -30,11 +30,11 @@ struct BoardCommand {
 /// into the control word; for Rev 6 the control word does not travel with the block.
 void encode_command(const BoardCommand& command, int firmware, QuadletSpan out) noexcept;
 
-/// Rev 7: the control word with the requests of the channels in it.
+/// Rev 7: the control word with the requests of the channels.
 std::uint32_t control_word(const BoardCommand& command) noexcept;
 
-/// Decodes the command of a single block. @returns false: too short, or (Rev 8 on) its header gives
-/// another length.
+/// Decodes the command of a single block. @returns false: too short, or (Rev 8 on) the length in its header
+/// differs.
 bool decode_command(QuadletView block, int firmware, BoardCommand& command) noexcept;
 
 /// Finds the block of `board` in the concatenated blocks of several boards (section 10.2) and

@@ -16,8 +16,8 @@ enum class Destination { kBoard, kEveryone, kMulticast };
 struct Arrival {
   bool any = false;
   std::size_t size = 0;      ///< bytes, cut at the buffer's end
-  bool known_source = true;  ///< from an address that the boards have
-  double lay = 0.0;          ///< [s] for which it lay ready before this program took it
+  bool known_source = true;  ///< from an address of the boards
+  double lay = 0.0;          ///< [s] between its arrival and its receipt by this program
 };
 
 /// The connection to the boards, with its clock: UDP, or an emulator in the same process with a
@@ -30,11 +30,11 @@ class DatagramLink {
   virtual bool send(ByteView datagram, Destination to) noexcept = 0;
   /// Waits up to `timeout` [s]; 0 polls.
   virtual Arrival receive(ByteSpan buffer, double timeout) noexcept = 0;
-  virtual double now() noexcept = 0;  ///< [s], never back
+  virtual double now() noexcept = 0;  ///< [s], never decreases
   virtual void wait(double seconds) noexcept = 0;
   /// The server's IPv4 address as register 11 wants it: a.b.c.d is 0xddccbbaa (section 5).
   virtual std::uint32_t address_word() const noexcept = 0;
-  /// Destination::kBoard is the board of this id from now on, on a bus without FireWire.
+  /// From now on Destination::kBoard means the board with this id, on a bus without FireWire.
   virtual void set_board(int board) noexcept { (void)board; }
   /// Sets the hub that was found; from Rev 9 on its board id is part of its address (section 2.3).
   virtual void set_hub(int firmware, int board) noexcept {

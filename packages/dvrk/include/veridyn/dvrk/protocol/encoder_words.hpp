@@ -7,7 +7,7 @@ namespace veridyn::dvrk {
 /// Ticks per second of the counters in firmware 7 and later.
 constexpr double kEncoderClock = 49.152e6;
 
-/// The counter that means zero.
+/// The counter value for position zero.
 constexpr std::int32_t kEncoderZero = 0x800000;
 
 /// Words of the FPGA for one encoder (firmware 7 and later), in the order of the block read.
@@ -24,23 +24,23 @@ struct EncoderWords {
 struct EncoderMotion {
   double velocity = 0.0;      ///< mean over the last four edges
   double acceleration = 0.0;  ///< from two periods that are one edge apart
-  double predicted = 0.0;     ///< velocity carried on to now
+  double predicted = 0.0;     ///< velocity extrapolated to the present
 };
 
-/// The laboratory's host takes no acceleration when 1/quarter (in clock ticks) is above this: from
+/// Value of 1/quarter (in clock ticks) above which the laboratory's host computes no acceleration: for
 /// quarters shorter than 2000 ticks, 41 us.
 constexpr double kAccelerationThreshold = 0.0005;
 
 /// Counts, -2^23 .. 2^23 - 1.
 std::int32_t encoder_counts(std::uint32_t position) noexcept;
 
-/// True if the counter ran over its ends since it was loaded: positions mean nothing.
+/// True if the counter has overflowed since it was loaded: positions are invalid.
 bool encoder_overflow(std::uint32_t position) noexcept;
 
-/// True if the period word reports a transition that no encoder makes.
+/// True if the period word reports an impossible transition.
 bool encoder_error(std::uint32_t period) noexcept;
 
-/// The word that loads the counter with `counts`; counts beyond 24 bits are held at the ends.
+/// The word that loads the counter with `counts`, limited to 24 bits.
 std::uint32_t preload_word(std::int64_t counts) noexcept;
 
 /// Velocity, acceleration, and the velocity extrapolated to the present.

@@ -17,9 +17,9 @@ namespace veridyn::dvrk {
 /// Board and route.
 struct Route {
   std::uint8_t node = kBroadcastNode;
-  bool local = false;  ///< NOFORWARD: the receiving board alone
+  bool local = false;  ///< NOFORWARD: only the receiving board
   Destination to = Destination::kBoard;
-  std::optional<int> board = {};  ///< Ethernet-only: the board that has an address of its own (section 2.3)
+  std::optional<int> board = {};  ///< Ethernet-only: the board with its own address (section 2.3)
 };
 
 enum class ReadResult {
@@ -28,16 +28,16 @@ enum class ReadResult {
   kNoReply,
   kWrongSize,
   kWrongHeader,
-  kWrongCrc,  ///< a CRC that is not zero, and wrong
-  kDropped    ///< the board answered with a trailer alone
+  kWrongCrc,  ///< a nonzero CRC that is wrong
+  kDropped    ///< the board answered with only a trailer
 };
 
-/// The condition of section 17 that a read without a result is.
+/// The condition of section 17 for a read without a result.
 Condition condition_of(ReadResult result);
 
 /// Number of the last kRequests requests whose first reply was lost or late.
 struct ReplyLoss {
-  static constexpr long kRequests = 3000;  ///< of which `lost` counts; 1 s of two boards at 1.5 kHz
+  static constexpr long kRequests = 3000;  ///< number of requests over which `lost` counts; 1 s of two boards at 1.5 kHz
   /// Bound of `lost`: 1 % of loss each way gives 60 +- 8, 5 % of the replies alone 150 +- 12.
   static constexpr long kMost = 105;
   long lost = 0;
@@ -61,14 +61,14 @@ class Exchange {
   bool write_block(const Route& route, std::uint16_t address, QuadletView block) noexcept;
 
   std::uint8_t generation() const { return generation_; }
-  /// A trailer had another generation than ours: nodes may have other numbers now.
+  /// A trailer had another generation than ours: node numbers may have changed.
   bool generation_changed() const { return learnt_ && told_ != generation_; }
   void adopt_generation() noexcept { generation_ = told_; }
-  /// While set, a missing reply is no fault: a scan addresses nodes that may not exist.
+  /// While set, a missing reply is no fault, because a scan addresses nodes that may not exist.
   void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
-  /// [s] after which a request without a reply is repeated, again after twice as long, and so on
-  /// until the timeout; 0: never. The first time after 5 ms, where no reply was missed for 10 s. A
-  /// board executes a read each time; the first reply counts.
+  /// [s] after which a request without a reply is repeated, again after twice as long, and so on until the
+  /// timeout; 0: never. The first time is 5 ms if no reply was missed for 10 s. A board executes the read
+  /// each time; the first reply is used.
   void repeat_after(double seconds) noexcept { repeat_after_ = seconds; }
   /// From now on write() and write_block() send nothing and report success. A query of the hub may
   /// be an exception: it changes no output of a board, but keeps its watchdog alive.
@@ -78,7 +78,7 @@ class Exchange {
     queries_ = queries == Queries::kAllowed;
   }
   const ReplyLoss& loss() const { return loss_; }
-  /// [s] for which replies waited in the socket before they were read, since reset_queue_delay().
+  /// [s] for which replies waited in the socket, since reset_queue_delay().
   double queue_delay() const { return lay_; }
   void reset_queue_delay() noexcept { lay_ = 0.0; }
   /// True if the last trailer reported a bus reset in progress.
@@ -90,7 +90,7 @@ class Exchange {
   void drain() noexcept;
   ReadResult read(const Request& request, const Route& route, double timeout,
                   Reply& reply) noexcept;
-  /// @param until  [s] of the link's clock. @returns kNoReply, not noted, where nothing came.
+  /// @param until  [s] of the link's clock. @returns kNoReply, without an entry in the log, if nothing came.
   ReadResult await(const Request& request, double until, Reply& reply) noexcept;
   bool answers_repeated(ByteView datagram) const noexcept;
   ReadResult classify_reply(const Request& request, ByteView datagram, Malformed malformed,
@@ -110,7 +110,7 @@ class Exchange {
   bool queries_ = false;
   double repeat_after_ = 0.0;
   double wary_until_ = 0.0;  // [s] of the link's clock
-  std::optional<int> repeated_ = {};  ///< Label of the last request that was sent twice: it may be answered twice
+  std::optional<int> repeated_ = {};  ///< label of the last request that was sent twice, which may be answered twice
   std::size_t sent_ = 0;  ///< bytes of the last request in out_
   double lay_ = 0.0;
   ReplyLoss loss_;

@@ -39,7 +39,7 @@ enum class Condition : std::uint8_t {
   kEthernet = 28,
   kNotSent = 29,
   kForeignSender = 30,
-  // Section 17 counts these as 23 as well; number_in_section_17() says so.
+  // Section 17 counts these as 23 as well; see number_in_section_17().
   kTemperature = 31,
   kPot = 32,
   // Section 17 does not have these: they count as 1, 7 and 23.
@@ -64,9 +64,9 @@ std::string describe_found(Condition condition, std::uint32_t value);
 struct FaultEntry {
   long count = 0;
   double last = 0.0;        ///< [s] of the link's clock
-  std::optional<int> board = {};    ///< id, of the last one; nothing: the bus
+  std::optional<int> board = {};    ///< id of the last one; nullopt: the bus
   std::optional<int> channel = {};  ///< from 0
-  std::uint32_t value = 0;  ///< what was found
+  std::uint32_t value = 0;  ///< value that was found
 };
 
 /// Counts of all conditions. note() does not allocate.

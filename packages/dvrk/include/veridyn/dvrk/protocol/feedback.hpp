@@ -28,7 +28,7 @@ struct BoardFeedback {
   double seconds() const { return (timestamp + 1.0) / kTicksPerSecond; }
 };
 
-/// Reads read_quadlets(firmware) quadlets; what the view does not have is zero.
+/// Reads read_quadlets(firmware) quadlets; missing ones are zero.
 BoardFeedback decode_feedback(QuadletView block, int firmware) noexcept;
 
 /// Writes read_quadlets(firmware) quadlets, as far as `out` has space.

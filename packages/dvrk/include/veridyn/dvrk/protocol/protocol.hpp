@@ -92,7 +92,7 @@ constexpr std::uint32_t kWatchdogDefault = 0x1680;  ///< 30 ms
 constexpr std::uint32_t kMotorConfigDefault = 0x01780418;
 constexpr std::uint32_t kEthernetHealthy = 0xA01C0000;
 constexpr std::uint32_t kEthernetV3 = 0x40B0B0B0;  ///< Healthy, FPGA V3
-/// Register 12: FPGA V3, whose two Ethernet ports may take FireWire's place.
+/// Register 12: FPGA V3, whose two Ethernet ports may replace FireWire.
 constexpr bool is_fpga_v3(std::uint32_t ethernet) {
   return (ethernet >> 30) == 1;
 }
@@ -107,7 +107,7 @@ constexpr std::uint32_t kRelayOpen = 0x00020000;
 constexpr std::uint32_t kAmpsOn = 0x00000F0F;
 constexpr std::uint32_t kAmpsOff = 0x00000F00;
 constexpr std::uint32_t kReboot = 0x00300000;
-constexpr std::uint32_t kRealTimeBits = 0x000FFFFF;  ///< what Rev 7 and 8 honour in RT writes
+constexpr std::uint32_t kRealTimeBits = 0x000FFFFF;  ///< bits with an effect in real-time writes of Rev 7 and 8
 }  // namespace control
 
 // Sections 7.7, 8.3: sizes by firmware, in quadlets, for a QLA.

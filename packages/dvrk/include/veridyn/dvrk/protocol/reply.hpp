@@ -8,7 +8,7 @@
 
 namespace veridyn::dvrk {
 
-/// The last 8 bytes of whatever a board sends: section 4.3.
+/// The last 8 bytes of everything that a board sends: section 4.3.
 struct Trailer {
   std::uint8_t flags = 0;
   std::uint8_t generation = 0;
@@ -20,7 +20,7 @@ struct Trailer {
 
 /// A packet from a board to the PC: section 4.
 struct Reply {
-  enum class Kind { kQuadlet, kBlock, kDropped };  ///< dropped: nothing but the trailer
+  enum class Kind { kQuadlet, kBlock, kDropped };  ///< kDropped: only the trailer
 
   Kind kind = Kind::kQuadlet;
   std::uint16_t destination = kHostId;
@@ -29,19 +29,19 @@ struct Reply {
   std::uint8_t rcode = 0;
   std::uint32_t data = 0;        ///< Data of a quadlet
   QuadletView block;             ///< Content of a block; points into the datagram when decoded
-  std::uint32_t header_crc = 0;  ///< 0 where the hub answers for itself; of a quadlet: its CRC
+  std::uint32_t header_crc = 0;  ///< 0 in the hub's own answers; of a quadlet: its CRC
   std::uint32_t data_crc = 0;
-  bool crc_right = true;  ///< set by decode: every CRC that is not zero is right
+  bool crc_right = true;  ///< set by decode: every nonzero CRC is correct
   Trailer trailer;
 };
 
 enum class Crc { kZero, kReal };
 
-/// @param crc  kZero as the hub does for itself; kReal as relayed replies carry.
+/// @param crc  kZero as in the hub's own answers; kReal as in relayed replies.
 /// @returns the length; 0 if `out` is too small.
 std::size_t encode(const Reply& reply, Crc crc, ByteSpan out) noexcept;
 
-/// Reads a datagram; never a byte outside of it.
+/// Decodes a datagram, without reading outside of it.
 Malformed decode(ByteView datagram, Reply& reply) noexcept;
 
 }  // namespace veridyn::dvrk

@@ -8,7 +8,7 @@
 
 namespace veridyn::dvrk {
 
-/// Why a datagram is no packet.
+/// Reason for which a datagram is no packet.
 enum class Malformed {
   kNone,
   kLength,  ///< too short, or a length that contradicts its own fields
@@ -20,7 +20,7 @@ enum class Malformed {
 /// A packet from the PC to a board: sections 2 and 3.
 struct Request {
   std::uint8_t flags = 0;       ///< kNoForward or 0
-  std::uint8_t generation = 0;  ///< Generation of the bus, as the host knows it
+  std::uint8_t generation = 0;  ///< generation of the bus, as known to the host
   std::uint8_t node = 0;        ///< or kBroadcastNode
   std::uint8_t label = 0;       ///< 0..63; the reply echoes it
   Tcode tcode = Tcode::kQuadletRead;
@@ -39,8 +39,7 @@ std::size_t encoded_size(const Request& request) noexcept;
 /// is larger than kMaxBlockBytes, or the tcode is no request.
 std::size_t encode(const Request& request, ByteSpan out) noexcept;
 
-/// Decodes a datagram, without reading outside of it. Wrong CRCs are reported, not refused (section
-/// 2.4).
+/// Decodes a datagram, without reading outside of it. Wrong CRCs are reported in the result (section 2.4).
 Malformed decode(ByteView datagram, Request& request) noexcept;
 
 }  // namespace veridyn::dvrk

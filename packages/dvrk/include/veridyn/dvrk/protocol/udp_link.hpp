@@ -8,13 +8,13 @@
 
 namespace veridyn::dvrk {
 
-/// Boards behind an Ethernet port: sections 1 and 2.3. "Everyone" is the broadcast address of the
-/// server address's class, for 127.0.0.1 that is 127.255.255.255; an emulator must listen on all
-/// addresses to hear both.
+/// Boards behind an Ethernet port: sections 1 and 2.3. "Everyone" is the broadcast address for the class of
+/// the server's address; for 127.0.0.1 that is 127.255.255.255. An emulator must listen on all addresses to
+/// receive both.
 class UdpLink final : public DatagramLink {
  public:
   /// @param host  IPv4 address or name; boards have 169.254.0.100 by default.
-  /// @throws InvalidInput  the host is not known, or there is no socket to be had.
+  /// @throws InvalidInput  the host is unknown, or no socket is available.
   explicit UdpLink(const std::string& host, std::uint16_t port = kUdpPort);
   ~UdpLink() override;
   UdpLink(const UdpLink&) = delete;

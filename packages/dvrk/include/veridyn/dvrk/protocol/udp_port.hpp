@@ -20,7 +20,7 @@ ssize_t receive_stamped(int socket, void* buffer, std::size_t room, sockaddr_in&
 /// [s] since the arrival of a datagram, by its time stamp; 0 without one.
 double seconds_since(const timespec& came) noexcept;
 
-/// A UDP port that accepts one sender: the first one, until it has been silent for long enough.
+/// A UDP port that accepts one sender at a time: the first one, until it has been silent for `silence`.
 /// Datagrams of others are not queued meanwhile. Nothing allocates or blocks after the constructor.
 class UdpPort {
  public:

@@ -15,12 +15,12 @@ struct Socket {
   int channel = 0;
 };
 
-/// The boards of an arm in ascending order, brakes included, and the sockets of its actuators.
-/// @throws InvalidInput  an axis that boards of this program do not have (above 3).
+/// The boards of an arm in ascending order, those of brakes included, and the sockets of its actuators.
+/// @throws InvalidInput  an axis above 3, which no supported board has.
 std::vector<int> boards_of(const RobotConfig& robot);
 std::vector<Socket> sockets_of(const RobotConfig& robot);
 
-/// Initialisation of encoders by start(), if this was not done since their board's start.
+/// Initialisation of encoders by start(), if it was not done since their board started.
 enum class Homing { kIfNeeded, kNever };
 
 struct ArmSessionOptions {
@@ -33,35 +33,34 @@ struct ArmSessionOptions {
   bool firewire = false;           ///< the same for FireWire
   double watchdog = 0.030;         ///< [s]
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
-  double repeat_after = BusOptions().repeat_after;  ///< [s] a read without a reply is sent again
+  double repeat_after = BusOptions().repeat_after;  ///< [s] after which a read without a reply is repeated
   CurrentFollowing follow;
   double stall = SessionOptions().stall;  ///< [s], see SessionOptions::stall
-  /// A motor that moves by less meanwhile stands still: this share of its actuator's range. That of
-  /// a pitch is half a degree, of an insertion 1.2 mm.
+  /// A motor that moves by less than this share of its actuator's range during that time stands still. For a
+  /// pitch that is half a degree, for an insertion 1.2 mm.
   double standstill = 0.005;
   Homing homing = Homing::kIfNeeded;
-  int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
-  /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of
-  /// its actuator's range.
+  int pot_readings = 100;  ///< number of cycles over which pots are averaged to initialise the encoders
+  /// Largest peak-to-peak motion of a resting pot during these cycles, as a share of its actuator's range.
   double pot_unrest = 0.02;
 };
 
-/// The safety of a session as a configuration file has it: boards and channels in use, zero and
-/// largest currents by the calibration, pots beside encoders where pots sit on the actuators.
-/// @throws InvalidInput  as boards_of(); other hardware than QLA boards; a rate that is negative.
+/// The safety settings of a session from a configuration file: boards and channels in use, zero and largest
+/// currents by the calibration, comparison of pots and encoders if pots are on the actuators.
+/// @throws InvalidInput  as boards_of(); other hardware than QLA boards; a negative rate.
 SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& options = {});
 
 /// Result of loading the encoders from the pots.
 struct HomingReport {
   bool done = false;
-  std::string reason;   ///< why not, in one line
+  std::string reason;   ///< reason for a failure, in one line
   VectorXd actuator_q;  ///< Positions of the actuators [rad, m]
   /// Actuators outside their soft limits by more than a pot's tolerance: pots are wrong, or the arm
   /// was pushed there.
   std::vector<int> outside_limits;
 };
 
-/// One arm at the level of joints: state in, torques out, the boards' safety between. A cycle is
+/// One arm at the level of joints: state in, torques out, with the boards' safety in between. A cycle is
 ///
 ///   arm.update();  ... controller on arm.state() ...  arm.set_torques(tau);  arm.commit();
 ///
@@ -78,34 +77,33 @@ class ArmSession {
   /// firmware older than 7 are requested.
   void start();
 
-  /// True if an encoder was never loaded since its board woke up: positions mean nothing.
+  /// True if an encoder was never loaded since its board started: positions are invalid.
   bool needs_homing() noexcept;
 
-  /// Loads all encoders from the mean of the pots, and looks whether they took it. Only without
-  /// power. Blocks for about 0.1 s. A robot without encoder preload, or one with a lookup table for
-  /// its pots, cannot.
+  /// Loads all encoders from the mean of the pots, and verifies them. Only without power. Blocks for about
+  /// 0.1 s. Not possible for a robot without encoder preload, or with a lookup table for its pots.
   const HomingReport& home();
   /// Encoders changed by the last start() or home(); empty if start() found them loaded.
   const HomingReport& homing() const { return homing_; }
-  /// Were encoders loaded from pots by start() or home()?
+  /// True if start() or home() loaded the encoders from the pots.
   bool preloaded() const { return homing_.done; }
 
-  /// Reads the boards, checks them and moves on with power-up. @returns whether state() is new.
+  /// Reads the boards, checks them and continues the power-up. @returns true if state() is new.
   bool update() noexcept;
   const BoardArmState& state() const { return state_; }
 
-  /// Torques of the joints [N m, N] for the next commit(); (n), a stored vector. Held within the
-  /// largest currents.
+  /// Torques of the joints [N m, N] for the next commit(); (n), a stored vector. Limited to the largest
+  /// currents.
   void set_torques(const VectorXd& tau) noexcept;
   /// The commands after limits.
   const ArmCommand& command() const { return command_; }
   void commit() noexcept;
 
-  /// Begins to power up. @returns nullptr, or why not.
+  /// Begins to power up. @returns nullptr, or the reason for a refusal.
   const char* power_on() noexcept;
   void power_off() noexcept { boards_.power_off(); }
 
-  /// Power is on, all brakes are open: torques count.
+  /// True if power is on and all brakes are open, so that torques act.
   bool ready() const;
   int size() const { return units_.size(); }
   const RobotConfig& robot() const { return units_.robot(); }

@@ -4,18 +4,18 @@
 
 namespace veridyn::dvrk {
 
-/// The current of one brake over time: a pulse that opens it, then less to keep it open; zero (or
-/// the configured value) while it holds.
+/// The current of one brake over time: a pulse that opens it, then a smaller current that keeps it open; zero
+/// (or the configured value) while it holds.
 class BrakeDriver {
  public:
   enum class Wish { kEngaged, kReleased };
 
   explicit BrakeDriver(const BrakeConfig& brake) : brake_(brake) {}
 
-  /// @param now [s] of a clock that never runs back. @returns [A].
+  /// @param now [s] of a clock that never decreases. @returns [A].
   double current(Wish wish, double now) noexcept;
 
-  /// The push is over: the joint may move.
+  /// True after the pulse: the joint may move.
   bool released() const { return phase_ == Phase::kReleased; }
   const BrakeConfig& config() const { return brake_; }
 

@@ -126,7 +126,7 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   cycle_.sensors().correct_positions(wanted_.q);
   wanted_.dq = wanted.dq.head(n);
   wanted_.ddq = wanted.ddq.head(n);
-  cycle_.measure(measured_, times.dt);  // whether the arm follows is the run's to judge
+  cycle_.measure(measured_, times.dt);  // the run itself decides whether the arm follows
   switch (options_.law) {
     case ControlLaw::kComputedTorque:
       computed_torque();
@@ -157,7 +157,7 @@ std::string ModelController::refusal_reason() const {
               fault->joint ? " (joint " + model_.coordinates()[fault->joint->value].name + ")" : "");
 }
 
-// Singular values are those of TaskInverse: metres count in characteristic lengths.
+// Singular values are those of TaskInverse: metres are divided by the characteristic length.
 void ModelController::require_tip_led(const MotionSamples& motion) const {
   const Eigen::Index n = off_.size(), directions = std::min<Eigen::Index>(3, n);
   VectorXd unit = VectorXd::Constant(n, 1.0 / impedance_.inverse().length());
@@ -175,7 +175,7 @@ void ModelController::require_tip_led(const MotionSamples& motion) const {
   }
   const double threshold = TaskInverseOptions().threshold;
   for (Eigen::Index d = 0; d < directions; ++d) {
-    if (values.col(d).maxCoeff() < threshold) continue;  // never led there, as out of a plane
+    if (values.col(d).maxCoeff() < threshold) continue;  // the arm never moves in this direction, for example perpendicular to its plane
     Eigen::Index row = 0;
     const double least = values.col(d).minCoeff(&row);
     require(least >= threshold, "motion: leads the tip through a singular pose at ",

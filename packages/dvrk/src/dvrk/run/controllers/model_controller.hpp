@@ -14,49 +14,47 @@ namespace veridyn::dvrk {
 
 enum class ControlLaw {
   kComputedTorque,  ///< joints follow, with the model as feed-forward
-  /// The tip follows the path of the joints' set points like a spring. The approach uses
-  /// kComputedTorque, because the arm may be stretched there, where a tip cannot be controlled.
-  /// Motions with a pose near a singularity are refused: a joint that drifts there would return
-  /// with a jerk.
+  /// The tip follows the path of the joints' set points like a spring. The approach uses kComputedTorque,
+  /// because the arm may be stretched there, where a tip cannot be controlled. Motions with a pose near a
+  /// singularity are rejected: a joint that drifts there would return with a jerk.
   kImpedance,
-  kGravity  ///< the arm is weightless; set points do not count
+  kGravity  ///< gravity is compensated; set points are ignored
 };
 
 struct ModelControlOptions {
   ControlLaw law = ControlLaw::kComputedTorque;
   double frequency = 20.0;   ///< [rad/s] of both poles of the position error
   std::string tip;           ///< frame of the impedance; empty: see default_tip()
-  double tip_mass = 2.0;     ///< [kg] that the tip appears to have
+  double tip_mass = 2.0;     ///< [kg] apparent mass of the tip
   double stiffness = 800.0;  ///< [N/m] of the tip; damping is critical
-  /// The user's own gains in place of those that `frequency`, `tip_mass` and `stiffness` give.
+  /// The user's gains in place of those computed from `frequency`, `tip_mass` and `stiffness`.
   std::optional<JointGains> joint_gains;
   std::optional<ImpedanceGains> tip_gains;
-  /// Largest output of ModelErrorObserver, as a share of the largest torque. Under impedance the
-  /// tip, which has no force sensor here, pushes with up to that much beyond its spring.
+  /// Largest output of ModelErrorObserver, as a share of the largest torque. With kImpedance, which has no
+  /// force sensor here, the tip pushes with up to this torque in addition to its spring.
   double model_error = 0.05;
   FrictionOptions friction;
-  /// [s] between two cycles, and of positions: beyond, the run ends.
+  /// [s] largest time between two cycles, and largest age of positions; beyond, the run ends.
   double longest_gap = 0.03;
   VectorXd position_steps;  ///< (n of the arm) ArmUnits::joint_steps(); empty: encoders without steps
 };
 
-/// Errors of encoders and currents that the model knows are undone (JointSensors): a motion is led in
-/// true positions, while a run, its limits and its rows count as the boards do, see to_board_positions().
+/// Controls the model's joints, which are the arm's first ones, by one of the laws of control/, and the other
+/// joints by a PID. SafetySupervisor checks the model's joints: invalid numbers, jumps and age of positions,
+/// time of the cycle, position and velocity limits of the robot file, torques that stay at their limits. Its
+/// fault ends the run with power-off; its own actions (hold, freeze) are not used.
 ///
-/// The laws of control/ for a run: torques of the model's joints, which are the arm's first ones,
-/// by a law; those of the others by a PID. SafetySupervisor watches the model's joints: numbers,
-/// jumps and age of positions, time of the cycle, position and velocity limits of the robot file,
-/// torques that stay at their limits. Its fault ends the run, that is, power goes off; its own
-/// actions (hold, freeze) are not used.
+/// Errors of encoders and currents in the model are removed (JointSensors): the motion uses true positions,
+/// while a run, its limits and its rows use those of the boards, see to_board_positions().
 ///
 ///   ModelController control(model, gains, largest_torques(arm), options);
 ///   run_motion(arm, link, motion, control, run_options, stop);
 class ModelController final : public MotionController {
  public:
   /// @param rest  gains of all joints of the arm; those of the model's joints are not used.
-  /// @param largest  (n of the arm) torques of the motors; the robot file may ask for less.
-  /// @throws InvalidInput  a model without values or with more joints than the arm; options that
-  ///                       cannot be; as the classes of control/.
+  /// @param largest  (n of the arm) torques of the motors; the robot file may have smaller ones.
+  /// @throws InvalidInput  a model without values or with more joints than the arm; invalid options; as the
+  /// classes of control/.
   ModelController(const Model& model, const PidGains& rest, const VectorXd& largest,
                   const ModelControlOptions& options = {});
 
@@ -64,7 +62,7 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
-  void sent(const VectorXd& tau) noexcept override;  ///< as the drives count
+  void sent(const VectorXd& tau) noexcept override;  ///< in the scale of the drives
   std::string refusal_reason() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
@@ -72,7 +70,7 @@ class ModelController final : public MotionController {
   MotionSamples to_board_positions(const MotionSamples& motion) const override;
 
   int joints() const { return cycle_.joints(); }  ///< Joints of the model
-  /// Effects of the model that these laws leave out, in words.
+  /// Effects of the model that these laws do not include, in words.
   const std::vector<std::string>& left_out() const { return cycle_.state().left_out(); }
   const SafetySupervisor& safety() const { return *cycle_.supervisor(); }
   const JointSensors& sensors() const { return cycle_.sensors(); }

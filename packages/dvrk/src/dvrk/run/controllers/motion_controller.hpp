@@ -14,7 +14,7 @@ namespace veridyn::dvrk {
 struct CycleTimes {
   double dt = 0.0;   ///< since the previous cycle with torques
   double age = 0.0;  ///< Largest age of the positions, since the request to the boards
-  double age_range = 0.0;  ///< by which they may be younger: until the replies came
+  double age_range = 0.0;  ///< range of the age, since replies came earlier
 };
 
 /// Limits of a controller's joints; (m) of its first joints, empty: none.
@@ -39,24 +39,24 @@ class MotionController {
   virtual void motion_begins() noexcept {}
 
   /// @param wanted  reference of the joints, (n) of the arm. @param tau  (n), written [N m], [N].
-  /// @returns false: the run must end now, see refusal_reason(); tau does not count. Never allocates.
+  /// @returns false: the run must end now, see refusal_reason(); tau is then invalid. Never allocates.
   virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 
-  /// Torques that the motors received of tau, (n of the arm), after current limits. Neither throws
-  /// nor allocates.
+  /// Torques (n of the arm) of tau that the motors received after current limits. Neither throws nor
+  /// allocates.
   virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
 
-  /// Why torques() returned false.
+  /// Reason for which torques() returned false.
   virtual std::string refusal_reason() const { return ""; }
   /// True if joints are expected near their set points.
   virtual bool follows() const { return true; }
   /// The limits that torques() enforces. A run applies them to the whole motion before power-up.
   virtual MotionLimits limits() const { return {}; }
-  /// @throws InvalidInput  a motion that this controller would refuse later for another reason.
+  /// @throws InvalidInput  this controller would reject the motion later for another reason.
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
-  /// Converts a motion to positions as the boards show them, in which a run works: a controller may
-  /// know errors of the encoders. torques() and limits() use them too.
+  /// Converts a motion to positions as measured by the boards, which a run uses: a controller may know errors
+  /// of the encoders. torques() and limits() use them too.
   virtual MotionSamples to_board_positions(const MotionSamples& motion) const { return motion; }
 };
 

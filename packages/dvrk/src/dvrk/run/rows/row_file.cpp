@@ -27,7 +27,7 @@ constexpr int kSyncEvery = 5;               // pauses between two calls that bri
 constexpr std::size_t kRemark = 200;        // bytes of the first line
 constexpr Eigen::Index kMostAtOnce = 1000;  // rows in one piece of text
 
-// A line that can be written over in place.
+// A line that can be overwritten in place.
 std::string remark_line(const std::string& remark) {
   std::string line = "# " + remark;
   line.resize(kRemark - 1, ' ');
@@ -73,8 +73,8 @@ void RowFile::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Opened at the first row only, so that a run without motion keeps an existing file; and under another name
-// until that row is written, so that a full disk keeps it as well.
+// Opens the file at the first row only, so that a run without motion keeps an existing file, and under
+// another name until that row is written, so that a full disk keeps it as well.
 void RowFile::open() {
   constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
   aside_ = text(path_, ".part-", ::getpid());
@@ -91,7 +91,7 @@ void RowFile::open() {
   put(remark_line("incomplete: the program ended while it recorded") + header(joints_));
 }
 
-// Gives the file its name once it has rows, or removes it if there will be none.
+// Gives the file its name after the first row, or removes it if there are no rows.
 void RowFile::name_or_remove() {
   if (file_ < 0 || (written_ == 0 && !failed())) return;
   if (written_ > 0 && aside_.empty()) return;
@@ -123,8 +123,8 @@ bool RowFile::put(const std::string& bytes) {
   return true;
 }
 
-// Every call of write() has whole rows, so that a killed program leaves no partial one. A full disk
-// may truncate them; the file is then cut after the last whole row.
+// Every call of write() contains whole rows, so that a killed program leaves no partial one. A full disk may
+// truncate them; the file is then cut after the last whole row.
 void RowFile::append() {
   const Recording& rows = keeper_.rows();
   const Eigen::Index count = keeper_.count();
@@ -159,7 +159,7 @@ void RowFile::append() {
 
 void RowFile::follow() {
   sched_param ordinary{};
-  ::sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the loop has a priority that we inherit
+  ::sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the inherited priority is that of the loop
   sigset_t all;
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
@@ -187,8 +187,8 @@ void RowFile::copy_rows(const std::string& remark) const {
   whole.commit();
 }
 
-// The file as every reader expects it, in one piece; what was followed stays where that fails, for
-// example on a disk that is full.
+// Writes the final file in one piece; the file written during the run is kept if that fails, for example on a
+// full disk.
 void RowFile::finish(const std::string& remark) {
   if (path_.empty()) return;
   stop();

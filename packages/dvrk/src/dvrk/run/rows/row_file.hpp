@@ -12,13 +12,13 @@ namespace veridyn::dvrk {
 /// a RowKeeper, so that a killed program leaves nearly all of them. The first line says that the
 /// recording is incomplete until finish().
 ///
-/// A disk that is full before the first row leaves no file, and an existing one as it was; later it leaves the
+/// A disk that is full before the first row leaves no file, and keeps an existing one; later it leaves the
 /// whole rows that fitted.
 ///
-/// Devices and pipes are not followed; finish() alone writes them.
+/// Devices and pipes are not written during the run; only finish() writes them.
 class RowFile {
  public:
-  /// @param path  empty: nothing is written. @param joints  that are written, from the first on.
+  /// @param path  empty: nothing is written. @param joints  number of joints to write, from the first on.
   RowFile(std::string path, const RowKeeper& rows, Eigen::Index joints);
   ~RowFile();
   RowFile(const RowFile&) = delete;
@@ -30,7 +30,7 @@ class RowFile {
   /// Writes the last rows, and the first line: "# remark", or none if it is empty. Call it once.
   void finish(const std::string& remark);
 
-  /// After finish(): rows in the file, and why there are not all.
+  /// After finish(): number of rows in the file, and the reason if these are not all.
   Eigen::Index rows() const { return written_; }
   const std::string& error() const { return error_; }
 

@@ -11,11 +11,11 @@
 
 namespace veridyn::dvrk {
 
-/// The rows of a recording. Room is made before the loop begins: keep() does not allocate. Another
-/// thread may read the first count() of rows() meanwhile.
+/// The rows of a recording. Memory is allocated before the loop begins: keep() does not allocate. Another
+/// thread may read the first count() rows meanwhile.
 class RowKeeper {
  public:
-  /// @throws InvalidInput  more rows than the machine holds.
+  /// @throws InvalidInput  more rows than fit into the machine's memory.
   RowKeeper(int joints, double seconds, double rate) {
     const double most_held = most_rows(1.0 + 3.0 * joints);
     require(kSpare * seconds * rate < most_held, "recording: found ", seconds, " s at ", rate,
@@ -60,9 +60,9 @@ class RowKeeper {
   std::atomic<Eigen::Index> count_{0};
 };
 
-/// Time of the instants at which the boards latched: their own counter where reads follow each
-/// other, which no busy machine disturbs; the link's clock after a gap. Somebody else who reads the
-/// boards restarts their counter: time that is missing for many reads in a row is added.
+/// Times at which the boards latched: by their own counter while reads follow each other, which a busy
+/// machine does not disturb; by the link's clock after a gap. Another client that reads the boards restarts
+/// their counter: time that is missing in many successive reads is added.
 class LatchTime {
  public:
   /// @param seconds  since the previous latch, by the board. @returns [s] since the first call.
@@ -83,14 +83,14 @@ class LatchTime {
     return time_;
   }
   void mark_gap() noexcept { gap_ = true; }
-  /// Latches during which the boards' counter stood still, timed by the link's clock.
+  /// Latches during which the boards' counter did not advance, timed by the link's clock.
   long stalled_latches() const { return stood_still_; }
   /// Number of missing intervals.
   long foreign_reads() const { return foreign_; }
 
  private:
-  // `behind` is the delay of a cycle against the boards' time. Its minimum drifts slowly with the
-  // two clocks; a lasting step is time that a foreign read took.
+  // `behind` is the delay of a cycle relative to the boards' time. Its minimum drifts slowly with the two
+  // clocks; a lasting step is time that another client's read has removed.
   void find_foreign_reads(double behind) noexcept {
     if (behind - usual_ <= kStep) {
       steps_ = 0;
@@ -104,7 +104,7 @@ class LatchTime {
     steps_ = 0;
   }
 
-  static constexpr double kStands = 1e-6;  // [s] no two reads follow each other so fast
+  static constexpr double kStands = 1e-6;  // [s] shortest time between two reads
   static constexpr double kClocksDiffer = 0.05;  // [s]
   static constexpr double kStep = 1e-4;          // [s]
   static constexpr int kStays = 8;               // reads in a row
