@@ -346,6 +346,7 @@ class Explanation {
     const VectorXd& trained = d_.extended.train_error.relative;
     const bool differs = trained.size() > j && v.floor > kDiffers * trained[j];
     if (differs) v.floor = trained[j];
+    const bool is_unlike = trained.size() > j && other > kDiffers * std::max(trained[j], v.floor);
     v.removable = v.held_out - v.floor;
     const bool at_floor = v.left <= kAtFloor * v.floor;
     const bool mostly = v.held_out - v.extended > 0.5 * v.removable;
@@ -357,7 +358,7 @@ class Explanation {
     else {
       v.state = JointState::kCannotTell;
       if (vibration) v.why = words_of(*vibration, j);
-      else if (differs)
+      else if (differs || is_unlike)
         v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
                             numerics::kPercent * trained[j], numerics::kPercent * v.extended);
       else v.why = words_of_steps(j) + why_not(unasked, repeats);

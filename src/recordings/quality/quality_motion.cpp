@@ -5,21 +5,25 @@
 #include "math/correlated_columns.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "recordings/signals/units.hpp"
-#include "veridyn/math/median.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn::quality {
 namespace {
 
-// Median change over 20 ms, in consecutive windows of 0.1 s: a wrong value, or friction that turns round, is in a fifth of the rows.
+// Usual size of the change over 20 ms in consecutive windows of 0.1 s: single wrong values do not count, nor do rows in which the
+// joint, and with it the sign of its friction, turns round.
 std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
   const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
   const int window = window_rows(head);
+  const auto step = [&](int k) { return head.rows.q(std::max(k, 1), joint) - head.rows.q(std::max(k, 1) - 1, joint); };
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.rows(); first += window) {
-    const VectorXd changes = (values.col(joint).segment(first + lag, window) - values.col(joint).segment(first, window)).cwiseAbs();
-    sizes.push_back(median(std::vector<double>(changes.begin(), changes.end())));
+    std::vector<double> changes;
+    for (int k = first; k < first + window; ++k) {
+      if (!(step(k) * step(k + lag) < 0.0)) changes.push_back(std::abs(values(k + lag, joint) - values(k, joint)));
+    }
+    sizes.push_back(changes.empty() ? 0.0 : quantile(changes, 1.0 - numbers.rare));
   }
   return sizes;
 }

@@ -49,7 +49,7 @@ struct QualityNumbers {
   double repeating = 0.1;
 
   // Start-up.
-  /// ringing = median change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
+  /// ringing = usual change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
   double ringing = 0.02, window = 0.1;
   int shortest_window = 4;
   /// ringing > loud * the usual one of later windows ...

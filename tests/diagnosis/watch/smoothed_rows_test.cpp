@@ -147,6 +147,46 @@ TEST(SmoothedRowsWithJumps, DistinguishSlipsFromJoinedRows) {
   EXPECT_TRUE(received_events(file(), {before, slipped}).jumps.empty());
 }
 
+TEST(SmoothedRowsOfDamage, AFrozenPositionIsUnusableAndNoSlip) {
+  Recording r = parabolas(4.0);
+  const Eigen::Index from = 400;
+  r.q.col(0).segment(from, 200).setConstant(r.q(from, 0));
+  const Heard heard = received_events(file(), {rows_of(r, 0, 300), rows_of(r, 300, r.rows() - 300)}, true);
+  ASSERT_EQ(heard.blind.size(), 1U);
+  EXPECT_EQ(heard.blind[0].why.substr(0, 19), "q1 (shoulder) stays") << heard.blind[0].why;
+  EXPECT_NEAR(heard.blind[0].since, 2.0, 0.01);
+  EXPECT_TRUE(heard.jumps.empty());
+}
+
+TEST(SmoothedRowsOfDamage, TorquesOfNoDriveAreUnusable) {
+  Recording r = parabolas(4.0);
+  r.tau.bottomRows(r.rows() / 2).setZero();
+  const Heard heard = received_events(file(), {r});
+  ASSERT_EQ(heard.blind.size(), 1U);
+  EXPECT_NE(heard.blind[0].why.find("no drive is on"), std::string::npos) << heard.blind[0].why;
+  EXPECT_NEAR(heard.blind[0].since, 2.0, 0.01);
+}
+
+// In degrees per second from 2 s on, of both joints or of one: positions are right, and no encoder slips.
+TEST(SmoothedRowsOfDamage, AVelocityThatContradictsItsPositionIsUnusableAndNoSlip) {
+  for (const int joints : {1, 2}) {
+    Recording r = parabolas(4.0);
+    r.dq.bottomRightCorner(r.rows() / 2, joints) *= 180.0 / M_PI;
+    const Heard heard = received_events(file(), {rows_of(r, 0, 300), rows_of(r, 300, r.rows() - 300)}, true);
+    ASSERT_EQ(heard.blind.size(), 1U) << joints;
+    EXPECT_EQ(heard.blind[0].why, "positions and velocities contradict each other");
+    EXPECT_NEAR(heard.blind[0].since, 2.0, 0.1);
+    EXPECT_TRUE(heard.jumps.empty()) << joints;
+  }
+}
+
+// Without a usable row between them, a second pause is no news.
+TEST(SmoothedRowsOfDamage, LateRowsAreReportedOnce) {
+  Recording r = parabolas(1.0);
+  r.time *= 1000.0;
+  EXPECT_EQ(received_events(file(), {r}).blind.size(), 1U);
+}
+
 // A clock that is set back is known after a quarter of a second of rows, and smoothing begins anew there.
 TEST(SmoothedRowsOfASetBackClock, ContinueWithTheNewClock) {
   Recording r = parabolas(6.0);

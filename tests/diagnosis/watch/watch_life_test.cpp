@@ -134,6 +134,7 @@ TEST(WatchLife, RecordingsOfOtherDaysAreLearned) {
     const std::vector<WatchEvent> named = of(watch.events(), WatchStage::kNamed);
     ASSERT_FALSE(named.empty()) << events_text(watch.events());
     EXPECT_EQ(named.back().text, "payload:tool") << events_text(watch.events());
+    EXPECT_NEAR(named.back().value, 0.3, 0.03) << events_text(watch.events());
   }
   Watch watch(psm().arm);
   EXPECT_TRUE(refuses_with("less than two seconds", [&] { watch.learn(rows_of(quiet, 0, 400)); }));

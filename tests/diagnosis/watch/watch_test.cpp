@@ -117,6 +117,28 @@ TEST(Watch, APushIsReported) {
   EXPECT_EQ(events.back().id, 1) << all_of(events);
 }
 
+// Torques that come 40 ms late from 5 s on are on no list of this arm.
+TEST(Watch, WhatNoCauseExplainsHasNoName) {
+  const Recording quiet = recorded({}, 20.0, 1);
+  Recording late = quiet;
+  const auto from = static_cast<Eigen::Index>(kChange * WatchedArm::kRate);
+  late.tau.bottomRows(late.rows() - from) = quiet.tau.middleRows(from - 8, quiet.rows() - from);
+  const std::vector<WatchEvent> events = watched(late);
+  ASSERT_FALSE(events.empty());
+  for (const WatchEvent& e : events) {
+    if (e.stage != WatchStage::kNamed && e.stage != WatchStage::kRefined) continue;
+    EXPECT_TRUE(std::holds_alternative<ExternalContact>(e.cause)) << all_of(events);
+    EXPECT_NE(e.sentence.find("or a change that is not on the list"), std::string::npos) << e.sentence;
+  }
+}
+
+// Columns of two joints are exchanged from the first row on: no single cause explains it.
+TEST(Watch, ABeginningThatNoCauseExplainsHasNoName) {
+  Recording exchanged = recorded({}, 16.0, 1);
+  exchanged.tau.col(0).swap(exchanged.tau.col(1));
+  EXPECT_EQ(first(watched(exchanged), WatchStage::kPresent), nullptr) << all_of(watched(exchanged));
+}
+
 // A torque offset of pitch at onsets every half second of two motions: named within 3 s, and every
 // name that is wrong at first is withdrawn.
 TEST(Watch, ACauseIsNamedAtAnyOnset) {
