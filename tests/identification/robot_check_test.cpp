@@ -359,6 +359,20 @@ TEST_F(ARobotFile, ShowsTheUnitOfTorques) {
   expect(r, {"torque_sign:0"}, "--units tau=-Nm");
 }
 
+// Masses in grams in the robot file: in kN m the torques would be beyond its efforts.
+TEST_F(ARobotFile, ShowsNoUnitOfTorquesThatItsEffortsExclude) {
+  const Recording r = recorded_beside_values("elbow-6r", 22);
+  ModelDescription d = arm_->description();
+  for (Frame& f : d.frames) {
+    if (f.body && f.body->phi) *f.body->phi *= 1000.0;
+  }
+  for (Coordinate& c : d.coordinates) c.limits.effort = 1.2 * r.tau.cwiseAbs().maxCoeff();
+  arm_.emplace(Model(std::move(d)));
+  findings(r);
+  EXPECT_EQ(sentences_.find("mends it"), std::string::npos) << sentences_;
+  EXPECT_NE(sentences_.find("are its masses in another unit"), std::string::npos) << sentences_;
+}
+
 TEST_F(ARobotFile, ShowsTorquesMeasuredBeforeTheGears) {
   Recording r = recorded_beside_values("elbow-6r", 23);
   r.tau /= 121.0;

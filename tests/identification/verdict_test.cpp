@@ -52,8 +52,8 @@ TEST(TheVerdict, ListsTheStateOfEveryJoint) {
   EXPECT_EQ(v.sentence,
             name(id, 5) + " moved over 2 % of the range: record again with a motion of `veridyn excite`; " + name(id, 2) + " and " +
                 name(id, 3) + " leave 10 and over 1000 times the noise held out: `veridyn diagnose` says why; " + name(id, 4) +
-                " has no torque held out: it was not recorded, or nothing drove the joint; " + name(id, 0) + " and " + name(id, 1) +
-                " are at the noise (error 5 % and 0.9 % held out)");
+                " has no torque held out: it was not recorded, or nothing drove the joint; " + name(id, 0) + " is at the noise (error 5 % held out); " +
+                name(id, 1) + " leaves 0.9 % held out, more than the noise, less than most torque sensors resolve");
 }
 
 // Repetitions that differ by a fifth of the torque are no noise.

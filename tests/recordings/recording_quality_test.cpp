@@ -193,6 +193,24 @@ TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
   EXPECT_EQ(check_recording(r).find("saturation"), nullptr) << check_recording(r).report();
 }
 
+// Forty rows in a second are lost now and then, and the times are counted on.
+TEST(AFault, LostRowsAreNoSecondRecordingAndNoDropout) {
+  const Recording clean = clean_recording();
+  Recording r = clean;
+  int kept = 0;
+  for (int k = 0; k < clean.rows(); ++k) {
+    if (k % 600 >= 560) continue;
+    for (MatrixXd Recording::*signal : {&Recording::q, &Recording::dq, &Recording::tau}) (r.*signal).row(kept) = (clean.*signal).row(k);
+    ++kept;
+  }
+  r = rows_of(r, 0, kept);
+  const RecordingQuality quality = check_recording(r);
+  const QualityFinding* jumps = quality.find("jumps", 1);
+  ASSERT_NE(jumps, nullptr) << quality.report();
+  EXPECT_NE(jumps->sentence.find("rows were lost there"), std::string::npos) << jumps->sentence;
+  EXPECT_EQ(quality.report().find("come back"), std::string::npos) << quality.report();
+}
+
 // Dry friction of a joint that turns round 0.12 s after the start.
 TEST(AFault, FrictionThatTurnsRoundAtTheStartDoesNotRing) {
   const Recording clean = clean_recording();

@@ -83,6 +83,8 @@ constexpr double kSecondDifference = 6.0;
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
 /// remaining error < kLess * the error without the fit: the fit counts.
 constexpr double kLess = 0.98;
+/// torque > kBeyondEffort * the joint's largest effort: another unit would make it impossible.
+constexpr double kBeyondEffort = 3.0;
 /// remaining error with transformations < kMostOfIt * the error without them: a diagnosis applies them even
 /// though the model lacks something else.
 constexpr double kMostOfIt = 0.1;

@@ -297,7 +297,9 @@ class RobotCheck {
       std::sort(next.begin(), next.end(), better);
       std::sort(impossible.begin(), impossible.end(), better);
       if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front()) && !is_explained(next.front())))) {
-        report_uncertain(impossible.front(), "as recorded, all positions lie within the limits of the joints");
+        report_uncertain(impossible.front(), beyond_efforts(changed(impossible.front().set)) > beyond_efforts(recording_)
+                                                 ? "such torques are beyond the efforts of the robot file: are its masses in another unit, as grams?"
+                                                 : "as recorded, all positions lie within the limits of the joints");
         return;
       }
       const auto concerns_velocity = [](const Answer& one) { return one.set.back().units.rfind("dq=", 0) == 0; };
@@ -392,10 +394,19 @@ class RobotCheck {
     return out;
   }
 
-  // True if the corrected positions are within the limits, or outside no more than those recorded. A change
-  // of units also needs positions that cannot be radians.
+  // Number of joints whose torques are several times their largest effort.
+  int beyond_efforts(const Recording& recording) const {
+    int out = 0;
+    for (int i = 0; i < joints() && recording.tau.cols() > 0; ++i)
+      out += recording.tau.col(i).cwiseAbs().maxCoeff() > checking::kBeyondEffort * given_.coordinates()[i].limits.effort ? 1 : 0;
+    return out;
+  }
+
+  // True if the corrected positions are within the limits, or outside no more than those recorded, and torques within the
+  // efforts. A change of units also needs positions that cannot be radians.
   bool is_possible(const Answer& answer) const {
     const RecordingQuestion& q = answer.set.back();
+    if (q.finding == "torque_unit" && beyond_efforts(changed(answer.set)) > beyond_efforts(recording_)) return false;
     const int as_recorded = beyond_limits(recording_);
     const auto limited = [](const Coordinate& c) { return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower); };
     if (q.units.rfind("q=", 0) == 0 && q.finding != "turns")
@@ -408,9 +419,13 @@ class RobotCheck {
     if (recording_.rows() < checking::kRowsOfAnArm) return;
     std::string what = q.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add(q.finding, q.joint, answer.fit.left(),
-        text("Perhaps ", what, ": so the arm leaves ", percent(answer.fit.left()), " of the torque on held-out rows instead of ",
-             percent(best_.fit.left()), ", but ", but, "."), Severity::kInfo);
+    add(q.finding, q.joint, answer.fit.left(), text("Perhaps ", what, ": ", reason_for(q, answer.fit.left(), best_.fit.left()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
+        Severity::kInfo);
+  }
+
+  static std::string reason_for(const RecordingQuestion& q, double left, double without) {
+    if (left < checking::kLess * without) return text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without));
+    return q.finding == "torque_sign" ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
   }
 
   // Reports one line for each accepted hypothesis, with the error without it and all options together.
@@ -422,9 +437,7 @@ class RobotCheck {
       others.erase(others.begin() + (&q - best_.set.data()));
       const double without = others.empty() ? before : fit_of(others).left();
       const double left = best_.fit.left();
-      std::string sentence = q.what + ": ";
-      if (left < checking::kLess * without) sentence += text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without), "; ");
-      else sentence += q.finding == "torque_sign" ? "so say its friction and the values of the robot file; " : "so say the values of the robot file; ";
+      std::string sentence = q.what + ": " + reason_for(q, left, without) + "; ";
       if (is_explained(best_)) sentence += options + " mends it.";
       else sentence += text(options, " makes it better, but the noise is at ", percent(best_.fit.noise()), ": not the whole truth.");
       add(q.finding, q.joint, left, sentence);

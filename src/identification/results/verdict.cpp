@@ -82,7 +82,12 @@ std::string sentence_of(const IdentificationVerdict& v, const std::string& whose
   const auto first_loud = std::stable_partition(quiet.begin(), quiet.end(), [](const IdentifiedJoint& j) { return j.floor <= identifying::kLoud; });
   loud.assign(first_loud, quiet.end());
   quiet.erase(first_loud, quiet.end());
+  const auto first_small =
+      std::stable_partition(quiet.begin(), quiet.end(), [](const IdentifiedJoint& j) { return j.error <= identifying::numbers.far_above_floor * j.floor; });
+  const std::vector<IdentifiedJoint> small(first_small, quiet.end());
+  quiet.erase(first_small, quiet.end());
   out += listed(quiet, "is", "are", "at the noise (error {} " + whose + ")", error);
+  out += listed(small, "leaves", "leave", "{} " + whose + ", more than the noise, less than most torque sensors resolve", error);
   out += listed(loud, "leaves", "leave",
                 "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` what drifts", error);
   out += listed(joints_in(v, IdentifiedState::kCannotTell), "leaves", "leave",

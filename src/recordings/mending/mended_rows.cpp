@@ -335,15 +335,21 @@ bool MendedRows::is_explained_by_next() const {
   return true;
 }
 
-// The first row after `away` that continues the last valid row, for a joint that had jumped; -1 if there is
-// none.
+// The first row after `away` that continues the last valid row, when every joint that had jumped has jumped back; -1 if there is
+// none. Lost rows make joints jump on.
 int MendedRows::row_of_return(int last, int away) const {
   const int end = std::min(held_.rows(), away + ahead_);
+  std::vector<int> gone;
+  for (int j = 0; j < joints(); ++j) {
+    if (is_jump(last, away, j)) gone.push_back(j);
+  }
   for (int m = away + 1; m < end; ++m) {
-    for (int j = 0; j < joints(); ++j) {
-      const bool both = is_jump(last, away, j) && std::abs(held_.q(m, j) - held_.q(m - 1, j)) > reach(last, 1, j);
-      if (both && continues(last, m)) return m;
-    }
+    const auto comes_back = [&](int j) {
+      const double step = held_.q(m, j) - held_.q(m - 1, j);
+      return std::abs(step) > reach(last, 1, j) && step * (held_.q(away, j) - held_.q(last, j)) < 0.0;
+    };
+    gone.erase(std::remove_if(gone.begin(), gone.end(), comes_back), gone.end());
+    if (gone.empty() && continues(last, m)) return m;
   }
   return -1;
 }

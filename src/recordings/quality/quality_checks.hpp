@@ -172,7 +172,7 @@ class JumpTally {
 
   struct Joint {
     double tolerance = 0.0;
-    long count = 0;
+    long count = 0, onward = 0;  ///< jumps; those in the direction of the step before
     double largest = 0.0;
     double largest_at = 0.0;
   };

@@ -44,6 +44,7 @@ void JumpTally::add(const Piece& piece) {
       const double jump = rows.q(k, j) - rows.q(k - 1, j);
       Joint& tally = joints_[joint];
       ++tally.count;
+      if (jump * (rows.q(k - 1, j) - rows.q(k - 2, j)) > 0.0) ++tally.onward;
       if (std::abs(jump) <= std::abs(tally.largest)) continue;
       tally.largest = jump;
       tally.largest_at = rows.time[k];
@@ -54,6 +55,12 @@ void JumpTally::add(const Piece& piece) {
 void JumpTally::conclude(Findings* findings) const {
   const bool together = std::count_if(joints_.begin(), joints_.end(),
                                       [](const Joint& joint) { return joint.count > 0; }) > 1;
+  long count = 0, onward = 0;
+  for (const Joint& joint : joints_) {
+    count += joint.count;
+    onward += joint.onward;
+  }
+  const bool lost = together && count >= numbers.fewest_lost && static_cast<double>(onward) > numbers.onward * static_cast<double>(count);
   for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
     const Joint& tally = joints_[joint];
     if (tally.count == 0) continue;
@@ -64,6 +71,7 @@ void JumpTally::conclude(Findings* findings) const {
                   text("The position of ", named(place), " jumps ", counted(tally.count, "time"),
                        ", by ", number(tally.largest), " at t = ", number(tally.largest_at), " s",
                        wrapped    ? ": a full turn, the angle is wrapped."
+                       : lost     ? ", as other joints do, and nearly always in the direction of the motion: rows were lost there, and the time goes on as if not?"
                        : together ? ", and other joints jump too: several recordings in one file?"
                                   : ", which its motion cannot explain."));
   }

@@ -62,6 +62,9 @@ struct QualityNumbers {
   double smallest_jump = 2e-3, jump_noise = 5.0, jump_range = 0.02;
   /// ... and > jump_around * the steps around it beyond that: motion does not explain it.
   double jump_around = 4.0;
+  /// jumps of several joints >= fewest_lost, more than `onward` of them in the direction of the motion: rows were lost.
+  long fewest_lost = 3;
+  double onward = 0.9;
   /// |jump| < turn_error turns from a whole number of them: the angle is wrapped.
   double turn_error = 0.02;
 
