@@ -359,6 +359,14 @@ TEST_F(ARobotFile, ShowsTheUnitOfTorques) {
   expect(r, {"torque_sign:0"}, "--units tau=-Nm");
 }
 
+TEST_F(ARobotFile, ShowsTorquesBeyondItsEfforts) {
+  const Recording r = recorded_beside_values("elbow-6r", 22);
+  ModelDescription d = arm_->description();
+  for (int i = 0; i < 6; ++i) d.coordinates[static_cast<size_t>(i)].limits.effort = (i == 2 ? 0.2 : 1.2) * r.tau.col(i).cwiseAbs().maxCoeff();
+  arm_.emplace(Model(std::move(d)));
+  EXPECT_EQ(findings(r), Names{"beyond_effort:3"}) << sentences_;
+}
+
 // Masses in grams in the robot file: in kN m the torques would be beyond its efforts.
 TEST_F(ARobotFile, ShowsNoUnitOfTorquesThatItsEffortsExclude) {
   const Recording r = recorded_beside_values("elbow-6r", 22);

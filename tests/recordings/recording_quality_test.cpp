@@ -193,6 +193,16 @@ TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
   EXPECT_EQ(check_recording(r).find("saturation"), nullptr) << check_recording(r).report();
 }
 
+// A register of 16 bits and the like: what leaves its range comes in at the other end.
+TEST(AFault, ATorqueThatOverflowsIsNotSaturated) {
+  Recording r = clean_recording();
+  const double end = 0.6 * r.tau.col(1).cwiseAbs().maxCoeff();
+  for (double& x : r.tau.col(1)) x -= 2.0 * end * std::round(x / (2.0 * end));
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_EQ(found(quality, "overflow", 2).severity, Severity::kFault) << quality.report();
+  EXPECT_EQ(quality.find("saturation"), nullptr) << quality.report();
+}
+
 // Forty rows in a second are lost now and then, and the times are counted on.
 TEST(AFault, LostRowsAreNoSecondRecordingAndNoDropout) {
   const Recording clean = clean_recording();

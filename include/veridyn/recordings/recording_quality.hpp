@@ -74,6 +74,7 @@ const char* name_of(Severity severity);
 ///   constant_signal     a signal never differs from its first value
 ///   jumps               position steps that the neighbouring motion cannot explain; value: the largest
 ///   saturation          torque or current stays at its extreme; value: that limit; share of rows
+///   overflow            torque steps from one end of its range to the other while the joint moves on; value: that end
 ///   start_up_transient  torque rings when the recording starts; value: until when [s]
 ///   rate_contradiction  dq = value * dq/dt of q, the same value on all moving joints
 ///   velocity_scale      as rate_contradiction, on this joint only

@@ -76,6 +76,7 @@ class RobotCheck {
       if (mends) out.set = std::move(best_.set);
     }
     report_hardly_moving_joints(changed(out.set));
+    report_efforts(changed(out.set));
     out.findings = std::move(findings_);
     return out;
   }
@@ -394,12 +395,33 @@ class RobotCheck {
     return out;
   }
 
+  // Largest torque of a joint in its largest efforts.
+  double share_of_effort(int i, const Recording& recording) const {
+    const double effort = given_.coordinates()[static_cast<size_t>(i)].limits.effort;
+    return recording.tau.cols() > 0 && effort > 0.0 ? recording.tau.col(i).cwiseAbs().maxCoeff() / effort : 0.0;
+  }
+
   // Number of joints whose torques are several times their largest effort.
   int beyond_efforts(const Recording& recording) const {
     int out = 0;
-    for (int i = 0; i < joints() && recording.tau.cols() > 0; ++i)
-      out += recording.tau.col(i).cwiseAbs().maxCoeff() > checking::kBeyondEffort * given_.coordinates()[i].limits.effort ? 1 : 0;
+    for (int i = 0; i < joints(); ++i) out += share_of_effort(i, recording) > checking::kBeyondEffort ? 1 : 0;
     return out;
+  }
+
+  void report_efforts(const Recording& recording) {
+    double most = 0.0;
+    std::string names;
+    int first = 0, count = 0;
+    for (int i = 0; i < joints(); ++i) {
+      const double share = share_of_effort(i, recording);
+      if (!(share > checking::kBeyondEffort)) continue;
+      if (++count == 1) first = i + 1;
+      most = std::max(most, share);
+      names += (names.empty() ? "" : ", ") + joint(i);
+    }
+    if (count > 0)
+      add("beyond_effort", count == 1 ? first : 0, most,
+          text("The torque of ", names, " reaches ", quality::number(most), " times the effort of the robot file: another unit, another drive gain, or a wrong effort?"));
   }
 
   // True if the corrected positions are within the limits, or outside no more than those recorded, and torques within the

@@ -48,6 +48,11 @@ struct QualityNumbers {
   /// share of repeats >= repeating: refreshed too slowly.
   double repeating = 0.1;
 
+  // Overflow of a register.
+  /// steps of a torque > overflow * its range while its joint moves on, >= fewest_overflows of them: it overflows.
+  double overflow = 0.8;
+  int fewest_overflows = 3;
+
   // Start-up.
   /// ringing = usual change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
   double ringing = 0.02, window = 0.1;

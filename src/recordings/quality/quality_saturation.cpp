@@ -59,6 +59,18 @@ int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limi
   return rows;
 }
 
+// Number of steps from one end of the range to the other between two rows, while the joint moves on.
+int overflows(const Head& head, const VectorXd& load, int joint) {
+  const auto& q = head.rows.q;
+  const double range = load.maxCoeff() - load.minCoeff();
+  int out = 0;
+  for (int k = 2; k + 1 < load.size(); ++k) {
+    const bool moves_on = (q(k + 1, joint) - q(k, joint)) * (q(k - 1, joint) - q(k - 2, joint)) > 0.0;
+    if (moves_on && std::abs(load[k] - load[k - 1]) > numbers.overflow * range) ++out;
+  }
+  return out;
+}
+
 }  // namespace
 
 ClipTally::ClipTally(const Head& head) : start_(head.rows.rows() > 0 ? head.rows.time[0] : 0.0) {
@@ -149,16 +161,22 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
   for (const Load& load : loads_of(head.rows)) {
     for (int j = 0; j < head.rows.joints(); ++j) {
       if (!head.moves[j]) continue;
+      const Place place{load.name, j + 1};
+      VectorXd values = load.values->col(j);
+      // A missing value is replaced by the previous one, so that a gap is no edge.
+      for (Eigen::Index k = 0; k < values.size(); ++k) {
+        if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
+      }
+      if (const int steps = overflows(head, values, j); steps >= numbers.fewest_overflows) {
+        findings->add(Severity::kFault, "overflow", place, {kNone, values.maxCoeff(), unit_of(load.name)},
+                      text("The ", word_of_load(place.signal), " of ", named(place), " steps from one end of its range (", number(values.minCoeff()), " to ",
+                           number(values.maxCoeff()), ") to the other ", counted(steps, "time"), " while the joint moves on: a register that overflows?"));
+        continue;
+      }
       for (const double sign : {1.0, -1.0}) {
-        VectorXd values = sign * load.values->col(j);
-        // A missing value is replaced by the previous one, so that a gap is no edge.
-        for (Eigen::Index k = 0; k < values.size(); ++k) {
-          if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
-        }
         double limit = 0.0;
-        const int rows = plateau_rows(head, values, j, &limit);
+        const int rows = plateau_rows(head, sign * values, j, &limit);
         if (rows == 0) continue;
-        const Place place{load.name, j + 1};
         const double share = static_cast<double>(rows) / head.rows.rows();
         findings->add(
             Severity::kWarning, "saturation", place, {share, sign * limit, unit_of(load.name)},
