@@ -16,11 +16,11 @@ constexpr double kRowsPerSample = 30.0;
 constexpr int kTurns = 6;               // between friction and load, where a CAD model has no friction
 constexpr int kMostClusters = 64;       // of all recordings together
 // A joint is explained if the residual of its torque is at most this.
-constexpr double kOfOwnError = 3.0;     // times the model's error in its own training, or the difference of repeats
-constexpr double kSmallError = 0.05;    // relative; below it every joint is
-constexpr double kErrorOfDrawing = 0.3; // where neither is known
+constexpr double kOfOwnError = 3.0;     // times the model's error in its own training, or the band of dry friction at rest
+constexpr double kErrorOfDrawing = 0.3; // where it is not known
 constexpr double kNoGravity = 1e-12;    // of the largest squared torque: rounding
-constexpr double kNothingToExplain = 1e6;  // relative, of such a joint
+// poses >= kPosesPerUnknown * kUnknowns, a load's mass and centre: an error is held out.
+constexpr double kPosesPerUnknown = 2.0, kUnknowns = 4.0;
 constexpr std::size_t kNumberWidth = 8;
 constexpr double kAtEnd = 0.999;  // of the heaviest load: the search ended there
 constexpr double kWidestMass = 1.5;  // of a mass: with an interval wider than from half to twice of it the mass is undetermined
