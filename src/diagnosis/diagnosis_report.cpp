@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/findings/summary.hpp"
+#include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
 #include "math/digits.hpp"
 #include "math/median.hpp"

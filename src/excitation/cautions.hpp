@@ -11,6 +11,9 @@ namespace veridyn {
 /// frames that move.
 LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion);
 
+/// @throws InvalidInput  the ranges of all turning joints, two or more, look like degrees.
+void require_ranges_in_radians(const Model& arm, const std::string& robot);
+
 /// Unchecked limits and assumptions, one sentence each, with the option that checks or sets it.
 /// @param powered  the arm whose efforts limit the torques, where there is one.
 std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& options, const LowestPoint& lowest,
