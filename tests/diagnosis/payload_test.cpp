@@ -291,23 +291,6 @@ MotionSamples long_motion(int joints, Eigen::Index rows) {
   return with_derivatives(motion);
 }
 
-// The recording's own floor, to which such a change belongs, is no measure of what is explained.
-TEST_F(Payload, ALoadPutOnMidwayIsNotExplained) {
-  const std::string last = arm_.frames().back().name;
-  const MotionSamples motion = long_motion(6, 6000);
-  const Recording bare = read_recording(recording_with("", 1, motion));
-  VectorXd usual = VectorXd::Constant(6, 1.0);
-  for (const bool midway : {false, true}) {
-    Recording r = read_recording(recording_with("payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08", 1, motion));
-    if (midway) r.tau.topRows(3000) = bare.tau.topRows(3000);
-    const std::string path = folder_.path("midway.csv");
-    write_recording(r, path);
-    const PayloadReport report = find_payload(with_training_error(arm_, usual), {path}, {}, last);
-    EXPECT_EQ(report.found(), !midway) << report.report();
-    usual = report.error_after;
-  }
-}
-
 // The model is not better than the difference: only the factor tells it.
 TEST_F(Payload, OneFactorOfAllTorquesIsNoLoad) {
   const std::string last = arm_.frames().back().name;
