@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"
@@ -207,14 +208,18 @@ bool Diagnosis::has_answer() const {
          std::any_of(joints.begin(), joints.end(), [](const JointVerdict& v) { return v.state != JointState::kCannotTell || !std::isfinite(v.held_out); });
 }
 
-std::string Diagnosis::verdict() const {
-  std::string wrong;  // contradictions between recordings and robot file, which are printed first
-  for (const RecordingQuality& q : data_quality) {
+std::string mistakes_text(const Diagnosis& d) {
+  std::string wrong;
+  for (const RecordingQuality& q : d.data_quality) {
     for (const QualityFinding& f : q.findings) {
       if (is_contradiction(f) && wrong.find(f.sentence) == std::string::npos) wrong += f.sentence + " ";
     }
   }
-  if (!wrong.empty()) wrong += mended ? "With that: " : "As recorded: ";
+  return wrong.empty() ? wrong : wrong + (d.mended ? "With that: " : "As recorded: ");
+}
+
+std::string Diagnosis::verdict() const {
+  const std::string wrong = mistakes_text(*this);  // these come first
   if (!has_answer()) return wrong + "cannot tell: " + joints.front().why;
   const auto is_cut = [this](JointIndex joint) {
     return std::any_of(data_quality.begin(), data_quality.end(), [&](const RecordingQuality& q) {

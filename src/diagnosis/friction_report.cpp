@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
 #include "math/digits.hpp"
 #include "math/median.hpp"
@@ -68,8 +69,9 @@ std::string breakaway_line(const JointFrictionStudy& j, int direction) {
 }  // namespace
 
 std::string FrictionStudy::report() const {
-  if (!reason.empty()) return robot + ": no friction curve: " + reason + "\n";
-  std::string out = fmt::format("{}: friction of {} joint{}", robot, joints.size(), joints.size() == 1 ? "" : "s");
+  const std::string mistakes = mistakes_text(diagnosis);
+  if (!reason.empty()) return mistakes + robot + ": no friction curve: " + reason + "\n";
+  std::string out = mistakes + fmt::format("{}: friction of {} joint{}", robot, joints.size(), joints.size() == 1 ? "" : "s");
   out += resting.empty() ? "\n" : fmt::format("; {} at rest and left out\n", joined_names(resting));
   out += "held out for the verdicts: " + joined_names(held_out) + "\n";
   for (const JointFrictionStudy& j : joints) {

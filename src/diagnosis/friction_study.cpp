@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "diagnosis/numerics.hpp"
 #include "effects/plain_friction.hpp"
+#include "identification/check/answers.hpp"
 #include "recordings/breakaway_ramps.hpp"
 #include "recordings/named_recordings.hpp"
 #include "recordings/steady_runs.hpp"
@@ -221,6 +224,22 @@ std::vector<FrictionVerdict> verdicts_of(const Diagnosis& d, int joint) {
   return out;
 }
 
+// Mends the recordings as diagnose() did.
+void mend(const Model& arm, std::vector<Recording>& sliding, std::vector<Recording>& all, IdentificationOptions how) {
+  std::vector<std::string> train, every;
+  for (const auto& [list, names] : {std::pair(&sliding, &train), std::pair(&all, &every)}) {
+    for (const Recording& r : *list) {
+      how.preprocessing.in_memory[r.source] = std::make_shared<const Recording>(r);
+      names->push_back(r.source);
+    }
+  }
+  const MendedSetUp set_up = mended_set_up(arm, train, every, how.preprocessing, identify(arm, train, {}, how));
+  for (std::vector<Recording>* list : {&sliding, &all}) {
+    for (Recording& r : *list)
+      if (const Recording* mended = find_in_memory(set_up.recordings, r.source)) r = *mended;
+  }
+}
+
 }  // namespace
 
 const char* name_of(FrictionState state) {
@@ -303,6 +322,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
     out.reason = out.diagnosis.baseline.reason;
     return out;
   }
+  if (out.diagnosis.mended) mend(open, all, both, asked.identification);
   const Identification& found =
       out.diagnosis.extended.model ? out.diagnosis.extended : out.diagnosis.baseline;
   asked.identification.friction = JointFriction::kFile;

@@ -15,12 +15,12 @@ constexpr double kOutside = 0.05;       // probability outside of an interval th
 constexpr double kRowsPerSample = 30.0;
 constexpr int kTurns = 6;               // alternations between the fits of friction and load, where a CAD model has no friction
 constexpr int kMostClusters = 64;       // of all recordings together
-// A load explains a joint if the residual of its torque is at most one of these.
-constexpr double kOfOwnError = 3.0;     // times the model's error in its own training, or the difference between repeats
-constexpr double kSmallError = 0.05;    // relative error that is always small enough
-constexpr double kErrorOfDrawing = 0.3; // relative error, where neither of the two is known
+// A load explains a joint if the residual of its torque is at most this.
+constexpr double kOfOwnError = 3.0;     // times the model's error in its own training, or the band of dry friction at rest
+constexpr double kErrorOfDrawing = 0.3; // relative error, where it is not known
 constexpr double kNoGravity = 1e-12;    // share of the largest squared torque, below which gravity has none
-constexpr double kNothingToExplain = 1e6;  // relative error that counts as explained on such a joint
+// poses >= kPosesPerUnknown * kUnknowns, a load's mass and centre: an error is held out.
+constexpr double kPosesPerUnknown = 2.0, kUnknowns = 4.0;
 constexpr std::size_t kNumberWidth = 8;
 constexpr double kAtEnd = 0.999;  // share of the heaviest load, at which the search ended at its bound
 constexpr double kWidestMass = 1.5;  // relative width of the interval (half to twice the mass), above which the mass is undetermined

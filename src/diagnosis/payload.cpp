@@ -135,7 +135,8 @@ Asked arm_with_unknown_loads(const Model& model, const std::vector<int>& places)
 class LoadFit {
  public:
   // @param sample  rows for one independent sample. @param band  (n) of dry friction of unknown direction.
-  LoadFit(const Model& model, const LoadRows& rows, const Asked& asked, int place, int first, double sample, VectorXd band)
+  // @param error  (n) of the model as it is; NaN: a joint without torque.
+  LoadFit(const Model& model, const LoadRows& rows, const Asked& asked, int place, int first, double sample, const VectorXd& band, const VectorXd& error)
       : model_(model), rows_(rows), place_(place), first_(first), reach_(model.description().box.com_reach) {
     if (!(reach_ > 0.0)) reach_ = kReach;
     sets_.emplace_back();
@@ -145,7 +146,7 @@ class LoadFit {
         if (model.moves(place, i)) next.push_back(asked.friction[static_cast<size_t>(i)][kind]);
       sets_.push_back(std::move(next));
     }
-    weights_ = weights(sample, band);
+    weights_ = weights(sample, band, error);
   }
 
   bool is_observable() const {
@@ -193,13 +194,13 @@ class LoadFit {
   }
 
   // Weight of each joint's rows: 1 / variance of an independent sample.
-  VectorXd weights(double sample, const VectorXd& band) const {
+  VectorXd weights(double sample, const VectorXd& band, const VectorXd& error) const {
     std::vector<int> all = sets_.back();
     for (int c = 0; c < kBodyParameters; ++c) all.push_back(first_ + c);
     VectorXd out = VectorXd::Zero(model_.joints());
     for (int i = 0; i < model_.joints(); ++i) {
       const RowSquares& joint = rows_.total()[static_cast<size_t>(i)];
-      if (!(joint.bb > 0.0) || !(joint.rows > 0.0)) continue;
+      if (!(joint.bb > 0.0) || !(joint.rows > 0.0) || std::isnan(error[i])) continue;
       const VectorXd b = joint.Ab(all);
       const double unexplained = std::max(joint.bb - b.dot(VectorXd(solve_scaled(joint.AA(all, all), b))), numerics::kNoise * joint.bb);
       out[i] = 1.0 / (sample * (unexplained / joint.rows + band[i] * band[i] / kUniform));
@@ -298,19 +299,12 @@ void sort_by_gain(const Model& model, double tie, std::vector<PayloadEstimate>& 
   if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
 }
 
-// Joints on which the load acts and whose error it does not explain.
-std::vector<std::string> unexplained(const Model& model, const PayloadEstimate& load, const VectorXd& before, const VectorXd& floor) {
-  std::vector<std::string> out;
+// True if what a load leaves of a joint's torque is above the model's error in its own training.
+// @param band  dry friction of unknown direction, relative.
+bool is_unexplained(const Model& model, int joint, double left, double band) {
   const auto& own = model.description().identified;
-  for (int i = 0; i < model.joints(); ++i) {
-    if (!model.moves(model.find_frame(load.frame), i)) continue;
-    const double left = before[i] * load.error_with_load[i];
-    double most = kErrorOfDrawing;
-    if (own && own->error.size() == model.joints()) most = std::max(kSmallError, kOfOwnError * own->error[i]);
-    if (floor.size() == model.joints() && std::isfinite(floor[i])) most = std::max(own ? most : kSmallError, kOfOwnError * floor[i]);
-    if (left > most) out.push_back(model.coordinates()[i].name);
-  }
-  return out;
+  const double usual = own && own->error.size() == model.joints() ? kOfOwnError * own->error[joint] : kErrorOfDrawing;
+  return left > std::max(usual, kOfOwnError * band);
 }
 
 // Mass of the bodies of one link [kg]: of the prior if there is one, since torques alone determine no masses.
@@ -332,15 +326,67 @@ struct Question {
   const Thresholds& limits;
 };
 
-// Fits a load on every link to the rows of the arm made by arm_with_unknown_loads().
+// Names the joints that a load leaves unexplained: those that it acts on, and with --link the others.
+void note_unexplained(const Question& q, const VectorXd& band, PayloadReport& out) {
+  std::string elsewhere;
+  for (PayloadEstimate& link : out.links) {
+    for (int i = 0; i < q.model.joints(); ++i) {
+      const double left = out.error_before[i] * link.error_with_load[i];
+      if (!is_unexplained(q.model, i, left, band[i])) continue;
+      const std::string& joint = q.model.coordinates()[i].name;
+      if (q.model.moves(q.model.find_frame(link.frame), i)) link.unexplained.push_back(joint);
+      else if (!q.link.empty()) elsewhere += fmt::format("{}{} ({:.2g} %)", elsewhere.empty() ? "" : ", ", joint, numerics::kPercent * left);
+    }
+  }
+  if (!elsewhere.empty())
+    out.remarks.push_back("No load on " + q.link + " acts on joints whose torque the model does not explain: " + elsewhere +
+                          ". The load may be on another link, or there is another cause");
+}
+
+// One factor of all torques that explains the recordings as well as the best load does, over all joints; 0: none does.
+double factor_of_torques(const Identification& start, const PayloadEstimate& load, double tie) {
+  const auto joints = static_cast<size_t>(start.train_error.relative.size());
+  std::vector<double> squares(joints), product(joints), predicted(joints);
+  for (const RecordingError& r : start.train) {
+    for (size_t i = 0; i < joints; ++i) {
+      for (size_t k = 0; k < r.series.measured[i].size(); ++k) {
+        const double tau = r.series.measured[i][k], model = r.series.modelled[i][k];
+        if (!std::isfinite(tau) || !std::isfinite(model)) continue;
+        squares[i] += tau * tau;
+        product[i] += tau * model;
+        predicted[i] += model * model;
+      }
+    }
+  }
+  double above = 0.0, below = 0.0;
+  for (size_t i = 0; i < joints; ++i) {
+    if (!(squares[i] > 0.0) || !std::isfinite(start.train_error.relative[static_cast<Eigen::Index>(i)])) continue;
+    above += product[i] / squares[i];
+    below += predicted[i] / squares[i];
+  }
+  if (!(below > 0.0)) return 0.0;
+  const double factor = above / below;
+  double by_factor = 0.0, by_load = 0.0;  // fall of the sum of ln(mean square residual)
+  for (size_t i = 0; i < joints; ++i) {
+    const double before = squares[i] - 2.0 * product[i] + predicted[i], with = squares[i] - factor * (2.0 * product[i] - factor * predicted[i]);
+    const double ratio = load.error_with_load[static_cast<Eigen::Index>(i)];
+    if (!(before > 0.0) || !(with > 0.0) || !(ratio > 0.0) || !std::isfinite(start.train_error.relative[static_cast<Eigen::Index>(i)])) continue;
+    by_factor += std::log(before / with);
+    by_load -= 2.0 * std::log(ratio);
+  }
+  return by_factor > 0.0 && by_factor >= tie * by_load ? factor : 0.0;
+}
+
+// Fits a load on every link to rows of the arm of arm_with_unknown_loads().
+// @param share  (n) band of dry friction, relative to each joint's torque.
 void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& places, const std::vector<CompressedRecording>& recordings,
-               double sample, const VectorXd& band, const VectorXd& floor, PayloadReport& out) {
+               double sample, const VectorXd& band, const VectorXd& share, PayloadReport& out) {
   const LoadRows rows(recordings, asked.columns, q.model.joints());
   std::vector<int> firsts;
   for (size_t k = 0; k < places.size(); ++k) {
     const int first = static_cast<int>(kBodyParameters * k);
     const std::string& name = q.model.frames()[places[k]].name;
-    const LoadFit fit(q.model, rows, asked, places[k], first, sample, band);
+    const LoadFit fit(q.model, rows, asked, places[k], first, sample, band, out.error_before);
     if (!fit.is_observable()) continue;
     const auto twin = std::find_if(firsts.begin(), firsts.end(), [&](int other) { return same_torques(rows, other, first); });
     if (twin != firsts.end()) {
@@ -352,7 +398,7 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
   }
   out.links.erase(std::remove_if(out.links.begin(), out.links.end(), [](const PayloadEstimate& l) { return l.mass == 0.0; }), out.links.end());
   for (PayloadEstimate& link : out.links) link.most_off = mass_on(q.model, link.frame);
-  for (PayloadEstimate& link : out.links) link.unexplained = unexplained(q.model, link, out.error_before, floor);
+  note_unexplained(q, share, out);
   sort_by_gain(q.model, q.limits.tie, out.links);
   if (out.links.empty()) {
     out.reason = "no link moves enough in these recordings to feel a load";
@@ -386,7 +432,9 @@ PayloadReport payload_report(const Question& q, const std::string& robot, const 
   const Asked asked = arm_with_unknown_loads(q.model, places);
   std::vector<CompressedRecording> factors = compress_all(asked.arm, recordings, options.preprocessing, options.threads);
   for (CompressedRecording& one : factors) merge_blocks(one, std::max(1, kMostClusters / static_cast<int>(factors.size())));
-  fit_loads(q, asked, places, factors, kRowsPerSample, VectorXd::Zero(q.model.joints()), start.noise_floor, out);
+  const VectorXd none = VectorXd::Zero(q.model.joints());
+  fit_loads(q, asked, places, factors, kRowsPerSample, none, none, out);
+  if (!out.links.empty()) out.torque_factor = factor_of_torques(start, out.links.front(), q.limits.tie);
   return out;
 }
 
@@ -448,15 +496,20 @@ PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPos
       for (int i = 0; i < model.joints(); ++i) left2[i] += block[static_cast<size_t>(i)].rhs_norm2();
     }
   }
-  out.error_before = (left2.array() / torque2.array().max(numerics::kTiny)).sqrt();
+  out.error_before = (left2.array() / torque2.array()).sqrt();
   const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
-  // The friction band as a share of each joint's torque; joints without a gravity torque are skipped.
   double poses = 0.0;
   for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
-  VectorXd floor(model.joints());
-  for (int i = 0; i < model.joints(); ++i)
-    floor[i] = torque2[i] > kNoGravity * torque2.maxCoeff() ? band[i] / std::sqrt(torque2[i] / std::max(1.0, poses)) : kNothingToExplain;
-  fit_loads({model, link, limits}, asked, places, factors, 1.0, band, floor, out);
+  VectorXd share = VectorXd::Zero(model.joints());
+  for (int i = 0; i < model.joints(); ++i) {
+    if (torque2[i] > kNoGravity * torque2.maxCoeff()) share[i] = band[i] / std::sqrt(torque2[i] / std::max(1.0, poses));
+    else out.error_before[i] = kNaN;
+  }
+  fit_loads({model, link, limits}, asked, places, factors, 1.0, band, share, out);
+  if (poses < kPosesPerUnknown * kUnknowns) {
+    for (PayloadEstimate& one : out.links) one.gain = kNaN;
+    out.remarks.push_back(fmt::format("Nothing is held out, for that takes {} poses, twice as many as a load has numbers (mass and centre), and {}", kPosesPerUnknown * kUnknowns, poses == 1.0 ? "this is one" : fmt::format("these are {}", poses)));
+  }
   std::string bands;
   for (int i = 0; i < model.joints(); ++i) {
     if (band[i] > 0.0) bands += fmt::format("{}{} {:.2g} {}", bands.empty() ? "" : ", ", model.coordinates()[i].name, band[i], effort_unit(model.coordinates()[i]));
@@ -493,7 +546,7 @@ bool PayloadEstimate::has_mass() const {
 }
 
 bool PayloadReport::found() const {
-  if (links.empty() || links.front().gain < smallest_gain) return false;
+  if (links.empty() || links.front().gain < smallest_gain || torque_factor != 0.0) return false;
   const PayloadEstimate& best = links.front();
   if (at_end(best) || !best.unexplained.empty() || best.mass_high < -best.most_off) return false;
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
@@ -508,12 +561,15 @@ std::string PayloadReport::headline() const {
   if (found())
     return fmt::format("{}: a load with a moment of {:.3g} kg m on {}, whose mass these recordings do not tell", robot, best.moment.norm(), best.frame);
   std::string why;
-  if (best.gain >= smallest_gain && !best.unexplained.empty()) {
+  const bool gains = !(best.gain < smallest_gain);
+  if (gains && torque_factor != 0.0) {
+    why = fmt::format(": torques that are {:.3g} times the model's on every joint explain as much; `check` and `diagnose` ask for other causes", torque_factor);
+  } else if (gains && !best.unexplained.empty()) {
     why = fmt::format(": with the best one, on {}, {} explained; `diagnose` asks for other causes", best.frame,
                       listed(best.unexplained) + (best.unexplained.size() == 1 ? " is not" : " are not"));
-  } else if (best.gain >= smallest_gain && best.mass_high < -best.most_off) {
+  } else if (gains && best.mass_high < -best.most_off) {
     why = fmt::format(": the best one would take {:.3g} kg off {}, which has {:.3g} kg; `diagnose` asks for other causes", -best.mass, best.frame, best.most_off);
-  } else if (best.gain >= smallest_gain && at_end(best)) {
+  } else if (gains && at_end(best)) {
     why = ": the best one, on " + best.frame + ", lies at the end of what was searched";
   }
   return robot + ": no load that these recordings could be sure of" + why;
@@ -529,13 +585,14 @@ std::string PayloadReport::report() const {
     std::string centre;
     for (size_t c = 0; c < link.seen.size(); ++c)
       centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)]) : fmt::format("{:>8}", "-");
-    out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10.3f}\n", link.frame, told ? fmt::format("{:.4g}", link.mass) : "not determined",
+    out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10}\n", link.frame, told ? fmt::format("{:.4g}", link.mass) : "not determined",
                        mass_interval_text(link), centre, numerics::kPercent * std::max(0.0, link.explained),
-                       link.gain == 0.0 ? 0.0 : link.gain);
+                       std::isnan(link.gain) ? "-" : fmt::format("{:.3f}", link.gain == 0.0 ? 0.0 : link.gain));
     for (const std::string& other : link.others)
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);
   }
-  out += "in the order of held out: how much smaller the logarithm of the squared errors is, over all "
+  if (!std::isnan(links.front().gain))
+    out += "in the order of held out: how much smaller the logarithm of the squared errors is, over all "
          "joints, on rows that the load was not fitted to; of a tie the outermost link comes first\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "excitation/excitation_numbers.hpp"
 #include "excitation/limits/frame_points.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "excitation/limits/link_gap.hpp"
 #include "model/moving_frame.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/effects/effect_facts.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
@@ -48,7 +50,44 @@ bool has_friction_values(const Model& arm) {
   });
 }
 
+constexpr ExcitationNumbers kNumbers;
+
+// The larger end of a turning joint's range; 0 where the file gives none.
+double most_turned(const Coordinate& c) {
+  double most = 0.0;
+  for (const double end : {c.limits.lower, c.limits.upper})
+    if (!c.prismatic && std::isfinite(end)) most = std::max(most, std::abs(end));
+  return most;
+}
+
+// Limits that are no radians on most arms, one sentence for ranges and one for speeds.
+std::vector<std::string> degrees_cautions(const Model& arm) {
+  std::vector<std::string> ranges, speeds, out;
+  for (const Coordinate& c : arm.coordinates()) {
+    if (most_turned(c) > kNumbers.most_turned) ranges.push_back(fmt::format("{} ({:.4g} to {:.4g})", c.name, c.limits.lower, c.limits.upper));
+    if (!c.prismatic && std::isfinite(c.limits.velocity) && c.limits.velocity > kNumbers.fastest)
+      speeds.push_back(fmt::format("{} ({:.4g})", c.name, c.limits.velocity));
+  }
+  if (!ranges.empty())
+    out.push_back("ASSUMED: rad, though that would be more than two turns (are these degrees?), for the ranges of " + listed(ranges));
+  if (!speeds.empty())
+    out.push_back("ASSUMED: rad/s, though few arms are as fast (are these degrees per second?), for the speed limits of " + listed(speeds));
+  return out;
+}
+
 }  // namespace
+
+void require_ranges_in_radians(const Model& arm, const std::string& robot) {
+  std::vector<std::string> turning;
+  for (const Coordinate& c : arm.coordinates()) {
+    if (c.prismatic) continue;
+    const double most = most_turned(c);
+    if (most <= kNumbers.most_turned || most > kNumbers.most_degrees) return;
+    turning.push_back(fmt::format("{} {:.4g} to {:.4g}", c.name, c.limits.lower, c.limits.upper));
+  }
+  require(turning.size() < kNumbers.fewest_joints, robot, ": found the ranges ", listed(turning),
+          ", all beyond two turns if they are in rad; expected rad, and these look like degrees.");
+}
 
 LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion) {
   LowestPoint out;
@@ -90,6 +129,8 @@ std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& opt
   }
   if (!kept.touching.empty())
     out.push_back("NOT KEPT APART, since their shapes touch whatever the joints do: " + listed(kept.touching));
+  const std::vector<std::string> degrees = degrees_cautions(arm);
+  out.insert(out.end(), degrees.begin(), degrees.end());
   const MotionLimits assumed = motion_limits(arm);
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
@@ -100,14 +141,14 @@ std::vector<std::string> cautions(const Model& arm, const ExcitationOptions& opt
   const std::vector<std::string> speeds = missing_data_cautions(arm, [](const Coordinate& c) { return !std::isfinite(c.limits.velocity); });
   if (!speeds.empty())
     out.push_back("ASSUMED: at most 2 rad/s (0.2 m/s of a slide) for " + listed(speeds) +
-                  ", of which the robot file gives no speed limit (missing or 0)");
+                  ", of which the robot file gives no speed limit (missing, 0 or negative)");
   if (!powered) {
     out.push_back("NOT CHECKED: torques, for the bodies have no values (--model M.yaml gives them)");
     return out;
   }
   const std::vector<std::string> efforts = missing_data_cautions(*powered, [](const Coordinate& c) { return !std::isfinite(c.limits.effort); });
   if (!efforts.empty())
-    out.push_back("NOT LIMITED: torques of " + listed(efforts) + ", of which the robot file gives no effort limit (missing or 0)");
+    out.push_back("NOT LIMITED: torques of " + listed(efforts) + ", of which the robot file gives no effort limit (missing, 0 or negative)");
   if (efforts.size() < arm.coordinates().size() && !has_friction_values(*powered))
     out.push_back("Torques are those of the bodies alone, for the model has no values of friction: real ones are larger "
                   "(--model with an identified model has it)");

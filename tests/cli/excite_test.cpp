@@ -362,6 +362,30 @@ TEST(Excite, NoiseOfGivenRecordingsAddsNoInformation) {
   EXPECT_GT(median({}), 1.1 * exact);
 }
 
+// Recordings are checked as those of `identify` are.
+TEST(Excite, GivenRecordingsInAnotherUnitAreWarnedOf) {
+  const TemporaryFolder folder;
+  const std::string given = folder.write("given.csv", planar_recording(20.0));
+  const Words excite = Words{"excite", "planar-2r", "-o", folder.path("m.csv"), "--given", given, "--iterations", "5", "--starts", "1"} + Words{"--quiet"};
+  const ToolRun right = run_tool(excite);
+  EXPECT_EQ(right.status, 0) << right.err;
+  EXPECT_EQ(right.err.find("warning: " + given), std::string::npos) << right.err;
+  const ToolRun wrong = run_tool(excite + Words{"--units", "q=deg"});
+  EXPECT_NE(wrong.err.find("warning: " + given), std::string::npos) << wrong.err;
+}
+
+TEST(Excite, RangesInDegreesAreRefused) {
+  const TemporaryFolder folder;
+  std::string robot = content_of(std::string(VERIDYN_SOURCE_DIR) + "/data/robots/planar-2r.yaml");
+  for (size_t at = 0; (at = robot.find("[-2.5, 2.5]", at)) != std::string::npos;) robot.replace(at, 11, "[-143, 143]");
+  const std::string file = folder.write("degrees.yaml", robot);
+  const ToolRun run = run_tool({"excite", file, "-o", folder.path("m.csv"), "--quiet"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_EQ(run.error_lines(), 1) << run.err;
+  EXPECT_NE(run.err.find("found the ranges shoulder -143 to 143, elbow -143 to 143, all beyond two turns"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(folder.path("m.csv")));
+}
+
 TEST(Excite, AJointThatIsHeldIsLeftOutAndReadingOptionsNeedARecording) {
   const TemporaryFolder folder;
   const Words held = Words{"excite", "planar-2r", "-o", folder.path("m.csv")} + kQuick;

@@ -170,6 +170,26 @@ TEST_F(Simulate, AnExtendedModelRunsLikeTheRealArm) {
   }
 }
 
+TEST(SimulateTrajectory, BeyondTheLimitsOrInOtherUnitsIsWarnedOf) {
+  const TemporaryFolder folder;
+  const auto said = [&](double scale_q, double scale_t) {
+    std::string csv = "t,q1,q2,dq1,dq2\n";
+    for (int k = 0; k < 1000; ++k) {
+      const double t = 0.01 * k;
+      for (const double number : {scale_t * t, scale_q * std::sin(2.0 * t), scale_q * std::cos(t), 2.0 * std::cos(2.0 * t)}) csv += std::to_string(number) + ",";
+      csv += std::to_string(-std::sin(t)) + "\n";
+    }
+    const ToolRun run = run_tool({"simulate", "planar-2r", "--trajectory", folder.write("m.csv", csv), "-o", folder.path("r.csv"), "--quiet"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return run.err;
+  };
+  EXPECT_EQ(said(1.0, 1.0).find("warning"), std::string::npos);
+  const std::string degrees = said(180.0 / M_PI, 1.0), milliseconds = said(1.0, 1000.0);
+  EXPECT_NE(degrees.find("the motion is far beyond the limits of planar-2r: shoulder goes from -57.3 to 57.3 rad (limits -2.5 to 2.5)"), std::string::npos) << degrees;
+  EXPECT_NE(degrees.find("warning", degrees.find("warning") + 1), std::string::npos) << degrees;
+  EXPECT_NE(milliseconds.find("the times are no seconds.\n"), std::string::npos) << milliseconds;
+}
+
 // Figure 7.3 of the thesis, with its gains: friction that the law does not know keeps joints off, and
 // compensation brings them back.
 TEST(SimulateSteps, ComputedTorqueAcceptsUserGains) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "diagnosis/two_joint_arm.hpp"
+#include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/files/model_file.hpp"
 
 // Faults of recordings and of the robot file, and their names.
@@ -72,6 +73,30 @@ TEST_F(TwoJointArm, ExchangedTorquesAreNamedFirstAndExchangedBack) {
     ASSERT_EQ(d.joints.size(), 2U);
     EXPECT_EQ(d.findings.size(), clean.findings.size());
     EXPECT_LT((d.baseline.test_error.relative - clean.baseline.test_error.relative).norm(), 1e-9);
+  }
+}
+
+// The curve is that of the recordings that the diagnosis used.
+TEST_F(TwoJointArm, FrictionOfExchangedTorquesIsThatOfTheMendedRecordings) {
+  DiagnosisState x = investigation(truth_, {});
+  x.options.effects = {"stribeck_friction"};
+  const FrictionStudy clean = study_friction(truth_, x.train, x.test, x.options);
+  EXPECT_EQ(clean.report().find("planar-2r: friction of 2 joints"), 0U) << clean.report();
+  Words all = x.train + x.test;
+  for (const std::string& name : all) {
+    Recording r = read_recording(name);
+    r.tau.col(0).swap(r.tau.col(1));
+    write_recording(r, name);
+  }
+  const FrictionStudy found = study_friction(truth_, x.train, x.test, x.options);
+  EXPECT_EQ(found.report().find("The torques of joint 1 (shoulder) and joint 2 (elbow) are swapped"), 0U) << found.report();
+  EXPECT_NE(found.report().find("With that: "), std::string::npos) << found.report();
+  ASSERT_EQ(found.joints.size(), 2U);
+  ASSERT_EQ(clean.joints.size(), 2U);
+  for (size_t i = 0; i < 2; ++i) {
+    const VectorXd& curve = clean.joints[i].curve.torque;
+    ASSERT_EQ(found.joints[i].curve.torque.size(), curve.size());
+    EXPECT_LT((found.joints[i].curve.torque - curve).norm(), 1e-3 * curve.norm()) << i;
   }
 }
 

@@ -12,6 +12,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/identification/base_parameters.hpp"
 #include "kinematics/standard_motion.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/files/model_file.hpp"
@@ -88,6 +89,49 @@ TEST(TheComparison, OfAModelWithItselfFindsNothing) {
   EXPECT_EQ(c.parameters.size(), 10U);
   for (const ModelDifference& d : c.parameters) EXPECT_NEAR(d.difference, 0.0, 1e-12) << d.name;
   for (const TorqueDifference& t : c.torque) EXPECT_EQ(t.difference, 0.0);
+}
+
+// Errors of the model would be taken for changes of the arm.
+TEST(TheComparison, NamesTheModelThatFitsItsOwnRecordingsWorse) {
+  ModelDescription before = with_statistics(planar(), 0.05, 8, 1).description(), after = before;
+  before.identified->error = after.identified->error = Eigen::Vector2d(0.01, 0.02);
+  EXPECT_EQ(compare(Model(before), Model(after)).report().find("fits its own"), std::string::npos);
+  after.identified->error[1] = 0.1;
+  const std::string report = compare(Model(before), Model(after)).report();
+  EXPECT_NE(report.find("The model after fits its own recordings worse than the model before fits its own, on elbow (10.00 % of the torque against 2.00 %): "
+                        "differences may be what it lacks.\n"), std::string::npos) << report;
+}
+
+// Torques in another unit change every number.
+TEST(TheComparison, NamesOneFactorOfAllTorques) {
+  const auto scaled = [](double bodies, double effects) {
+    ModelDescription d = planar().description();
+    for (Frame& frame : d.frames)
+      if (frame.body) *frame.body->phi *= bodies;
+    for (EffectTerm& term : d.effects)
+      for (const EffectParameter& p : find_effect(term.effect).parameters()) term.values.at(p.name) *= effects;
+    return with_statistics(Model(d), 0.001, 8, 2);
+  };
+  const Model before = with_statistics(planar(), 0.001, 8, 1);
+  const std::string words = "times those before, and otherwise differ by no more than chance";
+  EXPECT_NE(compare(before, scaled(1.2, 1.2)).report().find("The torques of all joints after are 1.2 " + words), std::string::npos)
+      << compare(before, scaled(1.2, 1.2)).report();
+  EXPECT_EQ(compare(before, scaled(1.2, 1.0)).report().find(words), std::string::npos);
+  EXPECT_EQ(compare(before, scaled(1.0, 1.0)).report().find(words), std::string::npos);
+}
+
+// That one file has no friction is a difference of the files.
+TEST(TheComparison, HasNoFrictionOfAJointWithoutSuchTermsInOneFile) {
+  const Model before = with_statistics(planar(), 0.001, 8, 1);
+  ModelDescription d = planar().description();
+  d.effects.clear();
+  const Model after = with_statistics(Model(d), 0.001, 8, 1);
+  for (const ModelComparison& c : {compare(before, after), compare(after, before)}) {
+    EXPECT_FALSE(c.structure.empty());
+    EXPECT_FALSE(c.joints.empty());
+    for (const ModelDifference& one : c.joints) EXPECT_NE(one.quantity, "friction") << one.sentence;
+  }
+  EXPECT_NO_FATAL_FAILURE(quantity(compare(before, before).joints, "friction", JointIndex{0}));
 }
 
 // One number, all by hand: Coulomb friction 20 % up, scatters of eight and twelve clusters.

@@ -276,6 +276,93 @@ TEST_F(Payload, FrictionThatACadModelDoesNotHaveIsFittedFirst) {
   EXPECT_LT(report.error_after.norm(), 0.7 * report.error_before.norm()) << report.report();
 }
 
+// The arm as identified, with this training error of every joint.
+Model with_training_error(const Model& arm, const VectorXd& error) {
+  ModelDescription d = arm.description();
+  d.identified = IdentifiedBase{};
+  d.identified->error = error;
+  return Model(std::move(d));
+}
+
+MotionSamples long_motion(int joints, Eigen::Index rows) {
+  MotionSamples motion{VectorXd::LinSpaced(rows, 0.0, 0.01 * static_cast<double>(rows - 1)), MatrixXd(rows, joints), {}, {}};
+  for (int i = 0; i < joints; ++i)
+    motion.q.col(i) = 0.5 * ((0.9 + 0.17 * i) * motion.time.array() + i).sin() + 0.2 * ((2.3 + 0.31 * i) * motion.time.array() + 2 * i).sin();
+  return with_derivatives(motion);
+}
+
+// The model is not better than the difference: only the factor tells it.
+TEST_F(Payload, OneFactorOfAllTorquesIsNoLoad) {
+  const std::string last = arm_.frames().back().name;
+  const MotionSamples motion = long_motion(6, 3000);
+  for (const bool loaded : {true, false}) {
+    Recording r = read_recording(recording_with(loaded ? "payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08" : "", 1, motion));
+    if (!loaded) r.tau *= 1.1;
+    const std::string path = folder_.path("gain.csv");
+    write_recording(r, path);
+    const PayloadReport report = find_payload(with_training_error(arm_, VectorXd::Constant(6, 0.1)), {path});
+    EXPECT_EQ(report.found(), loaded) << report.report();
+    EXPECT_EQ(report.torque_factor != 0.0, !loaded) << report.report();
+    if (loaded) continue;
+    EXPECT_NEAR(report.torque_factor, 1.1, 0.01);
+    EXPECT_NE(report.headline().find("torques that are 1.1 times the model's on every joint explain as much"), std::string::npos) << report.headline();
+  }
+}
+
+// Twenty times what the model leaves of its own recordings.
+TEST_F(Payload, WhatIsFarAboveTheModelsOwnErrorIsNotExplainedHoweverSmall) {
+  const std::string last = arm_.frames().back().name, path = recording_with("payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08", 1, long_motion(6, 3000));
+  const PayloadReport good = find_payload(arm_, {path}, {}, last);
+  EXPECT_TRUE(find_payload(with_training_error(arm_, good.error_after), {path}, {}, last).found());
+  EXPECT_LT(good.error_after.minCoeff(), 0.05);
+  const PayloadReport report = find_payload(with_training_error(arm_, 0.05 * good.error_after), {path}, {}, last);
+  EXPECT_EQ(report.links.front().unexplained.size(), 6U) << report.report();
+}
+
+TEST_F(Payload, OnAGivenLinkTheJointsBeyondItThatStayUnexplainedAreNamed) {
+  const std::string last = arm_.frames().back().name;
+  const MotionSamples motion = long_motion(6, 3000);
+  const std::string path = recording_with("payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08", 1, motion);
+  const Model model = with_training_error(arm_, VectorXd::Constant(6, 0.01));
+  const auto says = [&](const std::string& link) {
+    return find_payload(model, {path}, {}, link).report().find("acts on joints whose torque the model does not explain") != std::string::npos;
+  };
+  int elbow = 0;
+  while (!(arm_.moves(elbow, 1) && !arm_.moves(elbow, 2))) ++elbow;  // a frame that the third joint does not move
+  EXPECT_TRUE(says(arm_.frames()[elbow].name));
+  EXPECT_FALSE(says(last));
+}
+
+// The first axis is vertical: gravity alone has no torque about it.
+TEST_F(Payload, FewPosesHoldNothingOutAndAJointWithoutTorqueHasNoError) {
+  const std::string last = arm_.frames().back().name;
+  ModelDescription d = arm_.description();
+  d.effects.clear();
+  const Model bare(d), loaded = with_point(bare, last, 1.5, {0.05, -0.02, 0.08});
+  RigidBodyDynamics dynamics(loaded, *loaded.inertial_values());
+  for (const Eigen::Index count : {5, 8}) {
+    Random random(4);
+    RestPoses poses;
+    poses.source = "poses";
+    poses.q = MatrixXd(count, 6);
+    poses.tau = poses.approach = MatrixXd::Zero(count, 6);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const VectorXd q = random.vector(6, -1.5, 1.5), still = VectorXd::Zero(6);
+      VectorXd tau(6);
+      dynamics.inverse_dynamics(q, still, still, tau);
+      poses.q.row(k) = q.transpose();
+      poses.tau.row(k) = tau.transpose();
+    }
+    const PayloadReport report = find_payload_at_rest(bare, {poses});
+    ASSERT_FALSE(report.links.empty());
+    EXPECT_TRUE(std::isnan(report.error_before[0])) << report.report();
+    EXPECT_TRUE(report.error_before.tail(5).allFinite()) << report.report();
+    EXPECT_EQ(std::isnan(report.links.front().gain), count == 5) << report.report();
+    EXPECT_EQ(report.report().find("that takes 8 poses, twice as many as a load has numbers (mass and centre), and these are 5") != std::string::npos, count == 5) << report.report();
+    EXPECT_EQ(report.report().find("in the order of held out") == std::string::npos, count == 5) << report.report();
+  }
+}
+
 TEST_F(Payload, AnArmWithoutValuesIsRefused) {
   EXPECT_THROW(find_payload(read_model("psm-3dof"), {"none.csv"}), InvalidInput);
 }

@@ -2,10 +2,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include "excitation/cautions.hpp"
 #include "excitation/limits/limit_signals.hpp"
 #include "excitation/limits/link_gap.hpp"
 #include "math/random_numbers.hpp"
@@ -257,6 +259,36 @@ TEST(Cautions, ListUncheckedAndAssumedShapes) {
   const Excitation floored = optimise_excitation(arm, options);
   EXPECT_EQ(floored.report().find("NOT CHECKED"), std::string::npos) << floored.report();
   EXPECT_GE(floored.lowest.z, -0.3);
+}
+
+bool says(const Model& arm, const std::string& words) {
+  const std::vector<std::string> all = cautions(arm, {}, {}, {});
+  return std::any_of(all.begin(), all.end(), [&](const std::string& one) { return one.find(words) != std::string::npos; });
+}
+
+TEST(Cautions, AskAboutLimitsThatLookLikeDegrees) {
+  const Model arm = read_model("planar-2r");
+  EXPECT_FALSE(says(arm, "degrees"));
+  ModelDescription d = arm.description();
+  d.coordinates[1].limits.velocity = 150.0;
+  const Model fast(d);
+  EXPECT_TRUE(says(fast, "ASSUMED: rad/s, though few arms are as fast (are these degrees per second?), for the speed limits of elbow (150)"));
+  EXPECT_FALSE(says(fast, "two turns"));
+  d = arm.description();
+  d.coordinates[1].limits.lower = -160.0;
+  const Model wide(d);
+  EXPECT_TRUE(says(wide, "ASSUMED: rad, though that would be more than two turns (are these degrees?), for the ranges of elbow (-160 to 2.5)"));
+  EXPECT_NO_THROW(require_ranges_in_radians(wide, "arm"));  // the shoulder's are rad
+  d.coordinates[0].limits.upper = 170.0;
+  EXPECT_THROW(require_ranges_in_radians(Model(d), "arm"), InvalidInput);
+  d.coordinates[0].limits.upper = 1e4;  // as some files write a joint without an end
+  EXPECT_NO_THROW(require_ranges_in_radians(Model(d), "arm"));
+  // Metres.
+  d = read_model("scara").description();
+  for (Coordinate& c : d.coordinates) {
+    if (c.prismatic) c.limits.upper = c.limits.velocity = 170.0;
+  }
+  EXPECT_FALSE(says(Model(d), "degrees"));
 }
 
 // The same path, slower: velocities by the share, accelerations by its square.

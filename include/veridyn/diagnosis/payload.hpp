@@ -34,7 +34,8 @@ struct PayloadEstimate {
   Eigen::Matrix<double, 6, 1> inertia = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 1> inertia_half_width = Eigen::Matrix<double, 6, 1>::Zero();
   InertialParameters phi = InertialParameters::Zero();  ///< parameters of the point mass
-  double gain = 0.0;       ///< decrease of the sum over joints of ln(held-out mean square residual)
+  /// Decrease of the sum over joints of ln(held-out mean square residual); NaN: too few poses at rest to hold any out.
+  double gain = 0.0;
   double explained = 0.0;  ///< share of the model's residual that it explains, over all joints
   double most_off = kHeaviestLoad;  ///< [kg] mass of the link, which bounds a negative load
   bool at_bound = false;   ///< mass or centre is at a bound of the search: no finding
@@ -54,13 +55,15 @@ struct PayloadReport {
   /// Relative errors, (n): of the unmodified model; with friction and offsets of the joints that
   /// carry the best load fitted again; with that load in addition. All fitted to these recordings.
   VectorXd error_before, error_with_drift, error_after;
+  /// One factor of the torques of all joints that explains the recordings as well as the best load does; 0: none does.
+  double torque_factor = 0.0;
   std::string reason;  ///< reason why there is no estimate; empty otherwise
   std::vector<std::string> remarks{};  ///< sentences on the assumptions of the values and intervals
   double smallest_gain = 0.0;  ///< Thresholds::smallest_change, the bound of the gain in found()
   double seconds = 0.0;
 
   /// True if the best load lowers the held-out error by more than the model's own error, explains every joint that it
-  /// acts on, and the interval of its mass or its moment excludes zero.
+  /// acts on and more than torque_factor does, and the interval of its mass or its moment excludes zero.
   bool found() const;
   std::string headline() const;  ///< one line: the load with its interval, or the reason for which there is none
 

@@ -13,6 +13,7 @@
 
 #include "veridyn/tool/common_options.hpp"
 #include "cli/motions/excite_options.hpp"
+#include "excitation/cautions.hpp"
 #include "veridyn/tool/kept_results.hpp"
 #include "veridyn/tool/messages.hpp"
 #include "veridyn/tool/open_commands.hpp"
@@ -248,6 +249,10 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   const Model arm = read_robot(request.robot, request.common);
   warn_of_impossible_bodies(request.robot, arm);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
+  require_ranges_in_radians(arm, request.robot);
+  std::vector<std::string> recordings = request.given;
+  recordings.insert(recordings.end(), request.noise_of.begin(), request.noise_of.end());
+  if (!recordings.empty()) check_recordings(arm, recordings, request.reading, request.common.threads);
   std::string made_up_words;
   ExcitationOptions options = options_of(request, arm, made_up_words);
   const std::string unknown = request.noise_of.empty() ? "" : estimate_noise(request, arm, options);

@@ -2,6 +2,7 @@
 
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "cli/commands.hpp"
 #include "cli/motions/simulate_request.hpp"
@@ -16,6 +17,7 @@
 #include "simulation/rotors_at_zero.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -35,6 +37,34 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
     return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
   } catch (const InvalidInput& error) {
     throw InvalidInput(text(path, ": ", error.what()));
+  }
+}
+
+// Warns of a motion far beyond the limits of the robot file, and of units that contradict each other.
+void warn_of_impossible_motion(const Model& arm, const std::string& path, const MotionSamples& motion) {
+  std::vector<std::string> ranges, speeds;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[i];
+    const double low = motion.q.col(i).minCoeff(), high = motion.q.col(i).maxCoeff(), fastest = motion.dq.col(i).cwiseAbs().maxCoeff();
+    const std::string unit = position_unit(c);
+    const double far = 0.5 * (c.limits.upper - c.limits.lower);
+    if (high > c.limits.upper + far || low < c.limits.lower - far)
+      ranges.push_back(fmt::format("{} goes from {:.4g} to {:.4g} {} (limits {:.4g} to {:.4g})", c.name, low, high, unit, c.limits.lower, c.limits.upper));
+    if (fastest > 2.0 * c.limits.velocity)
+      speeds.push_back(fmt::format("{} is as fast as {:.4g} {}/s (limit {:.4g})", c.name, fastest, unit, c.limits.velocity));
+  }
+  for (const std::vector<std::string>* list : {&ranges, &speeds})
+    if (!list->empty()) print_message("warning: " + path + ": the motion is far beyond the limits of " + arm.name() + ": " + listed(*list) + ".");
+  Recording rows;
+  rows.source = path;
+  rows.time = motion.time;
+  rows.q = motion.q;
+  rows.dq = motion.dq;
+  std::set<std::string> said;  // once of each kind
+  for (const QualityFinding& f : check_recording(rows).findings) {
+    if (f.severity != Severity::kFault || f.signal == "tau" || !said.insert(f.finding).second) continue;
+    const size_t advice = f.sentence.find("; --");  // options that a trajectory does not have
+    print_message("warning: " + path + ": " + f.sentence.substr(0, advice) + (advice == std::string::npos ? "" : "."));
   }
 }
 
@@ -96,6 +126,7 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
     require(wanted.q.row(k).allFinite(), request.trajectory, ": found a gap in the positions of row ", k,
             " (the first is 0), expected none in a motion.");
   if (!made_up_words.empty()) print_message(made_up_words);
+  if (request.steps.empty()) warn_of_impossible_motion(arm, request.trajectory, wanted);
   if (request.sample_rate > 0.0)
     wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });
   if (request.controller != "none")

@@ -5,7 +5,8 @@ namespace veridyn {
 /// All numbers that can change the result of `compare`, each with its inequality, and with its
 /// reason where one is known.
 struct ComparisonNumbers {
-  /// change / rms torque of a parameter < rounded_away: an error of sampling in time, counted as no change.
+  /// change / rms torque of a parameter < rounded_away: an error of sampling in time, counted as no change; so is what one
+  /// factor of all torques leaves.
   double rounded_away = 5e-3;
   /// relative error of a file's base parameters <= from_values: they are those of its values.
   double from_values = 1e-6;
@@ -13,6 +14,8 @@ struct ComparisonNumbers {
   double same_motion = 0.2;
   /// value before > surely_there deviations: a percentage is printed.
   double surely_there = 3.0;
+  /// training error of a joint > fits_worse * that of the other model: differences may be errors of the model.
+  double fits_worse = 3.0;
 };
 
 /// Numbers that change no result: rounding, a moment of the normal distribution, and how numbers are printed.

@@ -175,7 +175,9 @@ std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
     for (const JointQuantity which : kJointQuantities) {
       const VectorXd u_a = a.torque.quantity(which, i);
       const VectorXd u_b = b.torque.quantity(which, i);
-      if (u_a.isZero(0.0) && u_b.isZero(0.0)) continue;
+      const bool none_a = u_a.isZero(0.0), none_b = u_b.isZero(0.0);
+      // A model without terms of friction does not say that there is none; `structure` names it.
+      if (which == JointQuantity::kFriction ? none_a || none_b : none_a && none_b) continue;
       const Coordinate& coordinate = a.arm.coordinates()[i];
       ModelDifference d;
       d.quantity = name_of(which);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/comparison/comparison_numbers.hpp"
+#include "math/digits.hpp"
 #include "veridyn/diagnosis/model_comparison.hpp"
 #include "model/suggestion.hpp"
 
@@ -26,6 +27,33 @@ std::string model_line(const char* which, const ComparedModel& m) {
   }
   if (!m.note.empty()) out += "; " + m.note;
   return out + "\n";
+}
+
+// A model that leaves much more of its own recordings than the other: its numbers may be biased.
+std::string worse_fit_text(const std::vector<TorqueDifference>& joints, const char* which, const ComparedModel& one, const char* than, const ComparedModel& other) {
+  std::vector<std::string> worse;
+  for (Eigen::Index i = 0; i < std::min(one.training_error.size(), other.training_error.size()); ++i) {
+    if (one.training_error[i] > comparing::numbers.fits_worse * other.training_error[i])
+      worse.push_back(fmt::format("{} ({} % of the torque against {} %)", joints[static_cast<std::size_t>(i)].coordinate,
+                                  in_percent(one.training_error[i]), in_percent(other.training_error[i])));
+  }
+  if (worse.empty()) return "";
+  return fmt::format("The model {} fits its own recordings worse than the model {} fits its own, on {}: differences may be what it lacks.\n",
+                     which, than, listed(worse));
+}
+
+// One factor between the torques of all joints: a unit or a gain, not a change of every body.
+std::string factor_text(const std::vector<TorqueDifference>& joints) {
+  const auto product = [](const TorqueDifference& j) { return 0.5 * (j.before * j.before + j.after * j.after - j.difference * j.difference); };
+  double factor = 0.0;
+  for (const TorqueDifference& j : joints) factor += product(j) / (j.before * j.before) / static_cast<double>(joints.size());
+  const bool all = joints.size() > 1 && std::all_of(joints.begin(), joints.end(), [&](const TorqueDifference& j) {
+    const double left = j.after * j.after - factor * (2.0 * product(j) - factor * j.before * j.before);
+    const double unseen = std::max(2.0 * j.by_chance, comparing::numbers.rounded_away * j.after);
+    return j.difference > unseen && left <= unseen * unseen;
+  });
+  return all ? fmt::format("The torques of all joints after are {:.4g} times those before, and otherwise differ by no more than chance or {:.2g} %: another unit or gain of the torques?\n",
+                           factor, 100.0 * comparing::numbers.rounded_away) : "";
 }
 
 std::string verdict_text(const ModelComparison& c) {
@@ -84,6 +112,8 @@ std::string torque_table(const std::vector<TorqueDifference>& joints) {
 std::string ModelComparison::report() const {
   std::string out = model_line("before", before) + model_line("after", after);
   if (same_motion) out += "the same motion: compared cluster by cluster\n";
+  out += worse_fit_text(torque, "before", before, "after", after) + worse_fit_text(torque, "after", after, "before", before);
+  out += factor_text(torque);
   if (!structure.empty()) out += "\nnot built alike:\n";
   for (const StructureDifference& s : structure) out += "  " + s.sentence + "\n";
   if (!only_before.empty() || !only_after.empty()) {

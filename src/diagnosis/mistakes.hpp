@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn {
+
+/// Contradictions between recordings and robot file, and whether the results are those of mended ones: "...
+/// With that: " or "... As recorded: "; empty where there is none.
+std::string mistakes_text(const Diagnosis& d);
+
+}  // namespace veridyn
