@@ -149,6 +149,9 @@ TEST(Status, IsConfirmedIfTheCrossValidatedErrorFallsInSumAndOnTheFindingsJoint)
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kNotConfirmed);
   f.cause = ChannelError{"encoder_offset", JointIndex{0}};
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
+  f.cause = AddedLoad{FrameIndex{1}};  // acts on every joint that carries it
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.2)), FindingStatus::kNotConfirmed);
   f.joint.reset();  // the whole arm: only the sum counts
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
 }

@@ -80,10 +80,10 @@ bool error_falls(const VectorXd& before, const VectorXd& after, std::optional<Jo
   return sum(before) > sum(after) && (!joint || after[joint->value] <= before[joint->value]);
 }
 
-// The joint on whose torque alone the error is judged; none for a wrong zero of an encoder, which affects all
-// joints.
+// The joint on whose torque alone the error is judged; none for a load, or a wrong zero of an encoder, which affect
+// others as well.
 static std::optional<JointIndex> only_joint(const Finding& f) {
-  if (std::holds_alternative<KinematicError>(f.cause)) return std::nullopt;
+  if (std::holds_alternative<KinematicError>(f.cause) || std::holds_alternative<AddedLoad>(f.cause)) return std::nullopt;
   if (!f.joint || !std::holds_alternative<ChannelError>(f.cause)) return f.joint;
   const auto* channel = dynamic_cast<const ChannelEffect*>(&find_effect(effect_of(f.cause)));
   const int another = f.joint->value == 0 ? 1 : 0;
