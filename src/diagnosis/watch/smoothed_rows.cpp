@@ -40,6 +40,7 @@ SmoothedRows::SmoothedRows(const Model& arm, const WatchNumbers& numbers)
       sensors_(arm),
       offset_(VectorXd::Zero(arm.joints())),
       spread2_(VectorXd::Zero(arm.joints())),
+      torque2_(VectorXd::Zero(arm.joints())),
       largest_(VectorXd::Zero(arm.joints())),
       last_jump_(VectorXd::Constant(arm.joints(), -kInfinity)),
       speed_(VectorXd::Zero(arm.joints())),
@@ -69,7 +70,8 @@ std::string SmoothedRows::fault(const Row& row) const {
       if (std::abs(value) >= kAbsurd) return joint(name, j) + " is " + text(value);
     }
   }
-  if (row.tau.isZero(0.0) && !arm_.gravity().isZero(0.0)) return "the torques of all joints are zero: no drive is on, or none is recorded";
+  if (!arm_.gravity().isZero(0.0) && (row.tau.cwiseAbs2().array() <= numbers_.no_torque * numbers_.no_torque * torque2_.array()).all())
+    return "the torques of all joints are zero: no drive is on, or none is recorded";
   return "";
 }
 
@@ -235,6 +237,7 @@ void SmoothedRows::place(const Row& row) {
   if (why.empty() && contradicts_) why = "positions and velocities contradict each other";
   if (why.empty()) {
     mark_usable(row.t);
+    torque2_ += (row.tau.cwiseAbs2() - torque2_) / static_cast<double>(++count_);
   } else {
     mark_unusable(row.t, why);
     if (!contradicts_) return;

@@ -113,6 +113,8 @@ class SmoothedRows {
   VectorXd value_, slope_, curve_;  // kernels over 2 half + 1 samples
   VectorXd offset_;                 // jumps found so far
   VectorXd spread2_;                // mean square of the jump statistic
+  VectorXd torque2_;                // (n) mean square of the torques of usable rows
+  long count_ = 0;                  // of these rows
   VectorXd largest_;                // and its largest while quiet
   double seen_ = 0.0;
   // Last usable row and last row of all [s].

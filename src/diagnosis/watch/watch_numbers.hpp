@@ -17,6 +17,8 @@ struct WatchNumbers {
   /// time without a row > pause [s]: filters begin anew. Times that fell and rise again for half of it: the clock
   /// was set back.
   double pause = 0.5;
+  /// torques of all joints <= no_torque * their rms: no drive is on.
+  double no_torque = 0.02;
   /// repeats of a row < repeats: they are stale; more mean rest.
   int repeats = 20;
   /// seconds of the quiet beginning >= judged * learn: velocities are judged; the other half is learned with

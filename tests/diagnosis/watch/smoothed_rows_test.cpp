@@ -159,12 +159,14 @@ TEST(SmoothedRowsOfDamage, AFrozenPositionIsUnusableAndNoSlip) {
 }
 
 TEST(SmoothedRowsOfDamage, TorquesOfNoDriveAreUnusable) {
-  Recording r = parabolas(4.0);
-  r.tau.bottomRows(r.rows() / 2).setZero();
-  const Heard heard = received_events(file(), {r});
-  ASSERT_EQ(heard.blind.size(), 1U);
-  EXPECT_NE(heard.blind[0].why.find("no drive is on"), std::string::npos) << heard.blind[0].why;
-  EXPECT_NEAR(heard.blind[0].since, 2.0, 0.01);
+  for (const double noise : {0.0, 0.01}) {
+    Recording r = parabolas(4.0);
+    for (int k = r.rows() / 2; k < r.rows(); ++k) r.tau.row(k).setConstant(k % 2 == 0 ? noise : -noise);
+    const Heard heard = received_events(file(), {r});
+    ASSERT_EQ(heard.blind.size(), 1U);
+    EXPECT_NE(heard.blind[0].why.find("no drive is on"), std::string::npos) << heard.blind[0].why;
+    EXPECT_NEAR(heard.blind[0].since, 2.0, 0.01);
+  }
 }
 
 // In degrees per second from 2 s on, of both joints or of one: positions are right, and no encoder slips.
