@@ -295,10 +295,11 @@ void ChangeFinder::isolate(double now, bool last) {
   if (late || (likely && !soon)) name(scores, now);
 }
 
-// True if little is left of the innovations since the onset. The step of the change mixes both states.
+// True if little is left of the innovations since the onset, and the size differs from zero. The step of the change mixes
+// both states.
 bool ChangeFinder::is_explained(const Score& score) const {
   const Score fit = reestimated(recent_, score, numbers_.mixed * options_.step, numbers_);
-  if (fit.size.size() == 0) return false;
+  if (fit.size.size() == 0 || std::abs(fit.size[0]) <= half_width(fit)) return false;
   double before = 0.0, after = 0.0;
   for (auto step = recent_.rbegin(); step != recent_.rend() && step->time >= score.onset + numbers_.mixed * options_.step; ++step) {
     before += step->e.squaredNorm();
