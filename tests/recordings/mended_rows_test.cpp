@@ -99,6 +99,20 @@ TEST_F(AWrongRow, IsNotReportedForACorrectRecording) {
   EXPECT_EQ(plain.tau, mended.tau);
 }
 
+// Rows that were lost, with times that are counted on: the joints jump on with their motion, and no row between is wrong.
+TEST_F(AWrongRow, IsNoDropoutWhereRowsWereLost) {
+  Recording r = smooth();
+  int kept = 0;
+  for (int k = 0; k < kMendedRows; ++k) {
+    if (k % 150 >= 100) continue;
+    for (MatrixXd Recording::*signal : {&Recording::q, &Recording::dq, &Recording::tau}) (r.*signal).row(kept) = (r.*signal).row(k).eval();
+    ++kept;
+  }
+  r = rows_of(r, 0, kept);
+  EXPECT_LT((read(r).q - r.q).cwiseAbs().maxCoeff(), 1e-8) << remarks_;
+  EXPECT_EQ(remarks_, "");
+}
+
 // Encoders that read zero for some rows, also one row behind the other, and rows of another publisher in between.
 TEST_F(AWrongRow, InAShortDropoutIsInterpolatedOrAGap) {
   Recording r = smooth();

@@ -111,7 +111,9 @@ bool SmoothedRows::moved() const {
 
 void SmoothedRows::mark_unusable(double time, const std::string& why) {
   heard_ = time;
-  if (is_blind_ || !heard_any_ || time - usable_ <= numbers_.pause) return;
+  if (!heard_any_) usable_ = time;  // unusable from the first row on
+  heard_any_ = true;
+  if (is_blind_ || time - usable_ <= numbers_.pause) return;
   is_blind_ = true;
   if (on_blind && !was_blind_) on_blind({usable_, time, why});
   was_blind_ = true;
@@ -307,6 +309,8 @@ void SmoothedRows::detect_jump() {
   }
   if (contradicts) {
     const Row last = grid_.back();
+    for (const PositionJump& jump : jumps_) offset_[jump.joint] -= jump.size;  // the position was right
+    jumps_.clear();
     restart();
     contradicts_ = true;
     first_t_ = last.t;
@@ -392,7 +396,7 @@ void SmoothedRows::report_jumps(double until) {
 
 void SmoothedRows::restart() {
   grid_.clear();
-  jumps_.clear();
+  report_jumps(kInfinity);
   has_last_ = contradicts_ = false;
   repeats_ = 0;
   if (on_break) on_break();

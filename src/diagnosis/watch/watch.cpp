@@ -157,11 +157,10 @@ class Watch::Implementation {
     wrong_ = wrong_velocities(unassessed_);
     remarks_ = remarks_on(wrong_, arm_);
     if (unassessed_.rows() > 0) {
-      for (const QualityFinding& f : check_recording(unassessed_).findings) {
-        if (f.severity == Severity::kFault && f.finding == "time_unit") remarks_.push_back(f.sentence);
-      }
+      const RecordingQuality quality = check_recording(unassessed_);
+      if (const QualityFinding* unit = quality.find("time_unit")) remarks_.push_back(unit->sentence);
+      watch(unassessed_);
     }
-    if (unassessed_.rows() > 0) watch(unassessed_);
     unassessed_ = {};
   }
 

@@ -398,7 +398,7 @@ class RobotCheck {
   // Largest torque of a joint in its largest efforts.
   double share_of_effort(int i, const Recording& recording) const {
     const double effort = given_.coordinates()[static_cast<size_t>(i)].limits.effort;
-    return recording.tau.cols() > 0 && effort > 0.0 ? recording.tau.col(i).cwiseAbs().maxCoeff() / effort : 0.0;
+    return recording.tau.cols() > 0 && effort > 0.0 ? recording.tau.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>() / effort : 0.0;
   }
 
   // Number of joints whose torques are several times their largest effort.

@@ -169,16 +169,28 @@ TEST(SmoothedRowsOfDamage, TorquesOfNoDriveAreUnusable) {
   }
 }
 
-// In degrees per second from 2 s on, of both joints or of one: positions are right, and no encoder slips.
+TEST(SmoothedRowsOfDamage, FromTheFirstRowOnIsReported) {
+  Recording r = parabolas(4.0);
+  r.tau.setZero();
+  const Heard heard = received_events(file(), {r});
+  ASSERT_EQ(heard.blind.size(), 1U);
+  EXPECT_NE(heard.blind[0].why.find("no drive is on"), std::string::npos) << heard.blind[0].why;
+  EXPECT_NEAR(heard.blind[0].since, 0.0, 0.01);
+}
+
+// In degrees per second from 2 to 3 s, of both joints or of one: positions are right, and no encoder slips.
 TEST(SmoothedRowsOfDamage, AVelocityThatContradictsItsPositionIsUnusableAndNoSlip) {
   for (const int joints : {1, 2}) {
     Recording r = parabolas(4.0);
-    r.dq.bottomRightCorner(r.rows() / 2, joints) *= 180.0 / M_PI;
+    r.dq.rightCols(joints).middleRows(r.rows() / 2, r.rows() / 4) *= 180.0 / M_PI;
     const Heard heard = received_events(file(), {rows_of(r, 0, 300), rows_of(r, 300, r.rows() - 300)}, true);
     ASSERT_EQ(heard.blind.size(), 1U) << joints;
     EXPECT_EQ(heard.blind[0].why, "positions and velocities contradict each other");
     EXPECT_NEAR(heard.blind[0].since, 2.0, 0.1);
     EXPECT_TRUE(heard.jumps.empty()) << joints;
+    const SmoothedRow& last = heard.rows.back();
+    EXPECT_GT(last.time, 3.8);
+    EXPECT_NEAR(last.q[1], 0.1 - 0.2 * std::pow(last.time, 2), 1e-6) << joints;
   }
 }
 
