@@ -101,6 +101,52 @@ TEST_P(OnEveryArm, AllInstructionSetsAndBatchesAgree) {
   }
 }
 
+// A matrix with entries behind it that no kernel may change.
+class Guarded {
+ public:
+  explicit Guarded(int entries) : size_(static_cast<size_t>(entries)), all_(size_ + kBehind, kUntouched) {}
+  double* data() { return all_.data(); }
+  bool is_written_exactly() const {
+    const auto end = all_.begin() + static_cast<long>(size_);
+    return std::count(all_.begin(), end, kUntouched) == 0 && std::count(end, all_.end(), kUntouched) == kBehind;
+  }
+
+ private:
+  static constexpr int kBehind = 64;
+  static constexpr double kUntouched = 1e300;
+  size_t size_;
+  std::vector<double> all_;
+};
+
+// Kernels store whole vectors of lanes, also where a matrix is smaller than one.
+TEST_P(OnEveryArm, NothingBehindAMatrixIsWritten) {
+  const int n = joints();
+  const Tree tree(arm(), Tree::Keep::kMovingLinks);
+  std::vector<LinkInertia> inertia(tree.links.size());
+  link_inertias(tree, phi().data(), inertia.data());
+  const InertialLinks links{tree, inertia.data()};
+  const State s = test_states(n, 57).back();
+  const double *q = s.q.data(), *dq = s.dq.data(), *ddq = s.ddq.data();
+  for (const ArmKernels& kernels : all_kernels()) {
+    internal::AlignedWorkspace memory(kernels.workspace(tree));
+    double* work = memory.get();
+    Guarded M(n * n), by_q(n * n), by_dq(n * n), D(n * n), same(n * n), Y(n * static_cast<int>(phi().size()));
+    Guarded ddq_by_q(n * n), ddq_by_dq(n * n), inverse(n * n), tau(n), h(n), g(n), gradient(n), back(n);
+    kernels.derivatives(links, q, dq, ddq, tau.data(), by_q.data(), by_dq.data(), M.data(), work);
+    kernels.velocity_derivative(links, q, dq, 1.0, same.data(), h.data(), D.data(), work);
+    kernels.gravity_torques(links, q, g.data(), work);
+    kernels.lagrangian_gradient(links, q, dq, gradient.data(), work);
+    kernels.forward_derivatives(links, q, dq, tau.data(), back.data(), ddq_by_q.data(), ddq_by_dq.data(), inverse.data(), work);
+    kernels.regressor(tree, q, dq, ddq, Y.data(), work);
+    for (const Guarded* one : {&M, &by_q, &by_dq, &D, &same, &Y, &ddq_by_q, &ddq_by_dq, &inverse, &tau, &h, &g, &gradient, &back})
+      EXPECT_TRUE(one->is_written_exactly()) << kernels.lanes << " lanes";
+    Guarded mass(n * n), of_motion(n * n), sum(n);
+    kernels.mass_matrix(links, q, mass.data(), work);
+    kernels.equation_of_motion(links, q, dq, of_motion.data(), sum.data(), work);
+    for (const Guarded* one : {&mass, &of_motion, &sum}) EXPECT_TRUE(one->is_written_exactly()) << kernels.lanes << " lanes";
+  }
+}
+
 // Forward dynamics has no answer where M is not positive definite.
 TEST_P(OnEveryArm, AMassBelowZeroIsRefused) {
   RigidBodyDynamics dynamics(arm(), -phi());

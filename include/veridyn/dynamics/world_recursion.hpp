@@ -439,8 +439,9 @@ struct WorldRecursion {
       };
       const int own = fixed / lanes();
       S* const column = to + long{fixed} * ld;
-      // Whole packs are stored where their surplus lanes fall into what is computed later.
-      const int left = fixed + 1 == count && ld % lanes() != 0 ? count - own * lanes() : lanes();
+      // Whole packs are stored where their surplus lanes fall into what is computed later, not behind the matrix.
+      const int room = (count - fixed) * ld - own * lanes();
+      const int left = room < lanes() ? room : lanes();
       for (int g = 0; g < own; ++g) store(at_before(g), lanes(), column + g * lanes());
       store(first_lanes(fixed % lanes(), at_before(own), at_behind(own)), left,
             column + own * lanes());
