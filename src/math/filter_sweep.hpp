@@ -15,7 +15,8 @@ struct FilterSection {
 struct FilterSweep {
   const FilterSection* sections;
   int count;  ///< number of sections
-  double* const* columns;  ///< kFilterLanes pointers (some may be equal); filtered in place
+  double* const* columns;  ///< one pointer for each lane in use; filtered in place
+  int lanes;     ///< number of lanes in use
   long rows;
   long pad;      ///< rows of odd reflection at either end, below `rows`
   double* work;  ///< (rows + 2 pad) * kFilterLanes doubles, aligned to 64 bytes

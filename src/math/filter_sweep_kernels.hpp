@@ -58,24 +58,29 @@ struct FilterLoops {
     for (; n < in.count; ++n) sweep<1>(in.sections + n, first, step, samples);
   }
 
-  static void run(const FilterSweep& in) {
-    const long rows = in.rows;
+  static void run(const FilterSweep& in) { in.lanes == kFilterLanes ? run_lanes<kFilterLanes>(in) : in.lanes == 1 ? run_lanes<1>(in) : run_lanes<0>(in); }
+
+  // kLanes: number of lanes in use, 0 if it is known at run time only.
+  template <int kLanes>
+  static void run_lanes(const FilterSweep& in) {
+    const int lanes = kLanes > 0 ? kLanes : in.lanes;
+    const long rows = in.rows, samples = rows + 2 * in.pad;
     double* body = in.work + in.pad * kFilterLanes;
-    for (long i = 0; i < rows; ++i)
-      for (int l = 0; l < kFilterLanes; ++l) body[i * kFilterLanes + l] = in.columns[l][i];
     double* end = body + (rows - 1) * kFilterLanes;
+    for (long i = 0; lanes < kFilterLanes && i < samples * kFilterLanes; ++i) in.work[i] = 0.0;
+    for (long i = 0; i < rows; ++i)
+      for (int l = 0; l < lanes; ++l) body[i * kFilterLanes + l] = in.columns[l][i];
     for (long i = 1; i <= in.pad; ++i) {  // odd reflections
-      for (int l = 0; l < kFilterLanes; ++l) {
+      for (int l = 0; l < lanes; ++l) {
         const double* column = in.columns[l];
         body[l - i * kFilterLanes] = 2.0 * column[0] - column[i];
         end[l + i * kFilterLanes] = 2.0 * column[rows - 1] - column[rows - 1 - i];
       }
     }
-    const long samples = rows + 2 * in.pad;
     all_sections(in, in.work, kFilterLanes, samples);
     all_sections(in, in.work + (samples - 1) * kFilterLanes, -long{kFilterLanes}, samples);
     for (long i = 0; i < rows; ++i)
-      for (int l = 0; l < kFilterLanes; ++l) in.columns[l][i] = body[i * kFilterLanes + l];
+      for (int l = 0; l < lanes; ++l) in.columns[l][i] = body[i * kFilterLanes + l];
   }
 
   static FilterKernels kernels() {

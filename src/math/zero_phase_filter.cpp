@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "aligned_doubles.hpp"
 #include "filter_sweep.hpp"
@@ -58,17 +57,15 @@ void ZeroPhaseFilter::apply(MatrixXd& columns) const {
   const Eigen::Index pad = std::min<Eigen::Index>(rows - 1, settling_samples(1e-4));
   thread_local AlignedDoubles memory;
   FilterSweep sweep{sections_.data(), static_cast<int>(sections_.size()),
-                    nullptr,          rows,
-                    pad,              nullptr};
+                    nullptr,          0,
+                    rows,             pad,
+                    nullptr};
   sweep.work = memory.get(static_cast<size_t>((rows + 2 * pad) * kFilterLanes));
   std::array<double*, kFilterLanes> lanes{};
-  std::vector<double> idle;  // workspace of lanes without a column
-  if (columns.cols() % kFilterLanes != 0) idle.resize(rows);
+  sweep.columns = lanes.data();
   for (Eigen::Index c = 0; c < columns.cols(); c += kFilterLanes) {
-    for (int l = 0; l < kFilterLanes; ++l)
-      lanes[l] =
-          c + l < columns.cols() ? columns.data() + (c + l) * rows : idle.data();
-    sweep.columns = lanes.data();
+    sweep.lanes = static_cast<int>(std::min<Eigen::Index>(kFilterLanes, columns.cols() - c));
+    for (int l = 0; l < sweep.lanes; ++l) lanes[l] = columns.data() + (c + l) * rows;
     filter_kernels().run(sweep);
   }
 }

@@ -52,7 +52,9 @@ constexpr double kHidden = 1e-6;             ///< share of the largest sum of sq
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
 constexpr int kBoundTurns = 5;               ///< of the levels that cannot be negative
 constexpr double kAtBound = 1e-9;            ///< below zero: of the largest level
-constexpr int kFixedPoints = 15;             ///< steps of the scale of a Student-t distribution
+constexpr int kScaleSteps = 60;              ///< most steps to the scale of a Student-t distribution
+constexpr double kSameScale = 1e-9;          ///< last step, of ln of its square
+constexpr int kLogsAtOnce = 8;               ///< factors of a product whose logarithm is taken
 constexpr int kReweighted = 3;               ///< fits of a round with new weights
 constexpr double kInSpan = 1e-7;             ///< share of a column that other columns do not span: less is none
 constexpr double kColumnRidge = 1e-9, kGramRidge = 1e-10;  ///< of the diagonal

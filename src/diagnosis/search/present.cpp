@@ -49,7 +49,7 @@ bool is_factor(const Term& t) {
 }
 
 Present::Present(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
-  rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing);
+  rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing, request.threads);
   folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
   folds_.errors = is_repeated() ? kRepeated : errors_of(folds_.blocks);
   values_ = VectorXd(rows_->names().size());
@@ -156,7 +156,7 @@ Model Present::arm_of(const std::vector<Chosen>& some) const {
 bool Present::move_to(const Model& arm) {
   std::shared_ptr<Rows> rows;
   try {
-    rows = std::make_shared<Rows>(arm, request_.recordings, request_.preprocessing);
+    rows = std::make_shared<Rows>(arm, request_.recordings, request_.preprocessing, request_.threads);
   } catch (const InvalidInput&) {
     return false;  // no arm
   }
@@ -284,7 +284,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
 // Rows of the held-out recordings, for the present arm.
 const std::shared_ptr<const Rows>& Present::test_rows() {
   if (test_of_ != rows_) {
-    test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing);
+    test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing, request_.threads);
     test_columns_.clear();
     test_of_ = rows_;
   }
@@ -295,7 +295,8 @@ const std::shared_ptr<const Rows>& Present::test_rows() {
 MatrixXd Present::test_residual_of(const VectorXd& x, const std::vector<int>& set) {
   const Rows& test = *test_rows();
   MatrixXd residual = test.residual;
-  for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= base_columns(test, i, base_.T) * x.head(base_.T.cols());
+  const VectorXd shift = base_.T * x.head(base_.T.cols());
+  for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= test.own[i] * shift(test.own_parameters[i]);
   for (const int k : set) {
     const auto [begin, count] = range(static_cast<size_t>(k));
     const Term& t = terms[k].term;

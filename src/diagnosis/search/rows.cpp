@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "diagnosis/numerics.hpp"
@@ -9,6 +10,7 @@
 #include "math/zero_phase_filter.hpp"
 #include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::search {
@@ -37,7 +39,7 @@ bool is_left_out(const PreprocessingOptions& how, const std::string& source, int
 
 }  // namespace
 
-Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& how)
+Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& how, int threads)
     : arm_(arm), how_(how), bodies_(arm) {
   const int n = arm.joints();
   const PreprocessingOptions all = with_all_rows(how);
@@ -52,13 +54,22 @@ Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const P
     for_each_segment(arm, recordings[r], all, [&](const Segment& s) {
       Stretch one{s, r, kept_samples(s, decimation(all, s.dt)), rows_, {}, {}};
       if (one.kept.empty()) return;
-      one.load = rigid_load(arm, bodies_, MotionView(s.time, s.q, s.dq, s.ddq));
-      if (all.filtering == Filtering::kMatched && all.cutoff > 0.0)
-        ZeroPhaseFilter(kLoadCutoffShare * all.cutoff, all.order, 1.0 / s.dt).apply(one.load);
-      PreprocessingOptions raw = all;
-      raw.cutoff = 0.0;
-      one.torque = RegressorColumns(arm, raw).predict(s, values).modelled;
-      pieces.push_back(columns.rows(s));
+      const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
+      std::vector<std::vector<JointRows>> of_group(groups.size());
+      parallel_for(static_cast<int>(groups.size()) + 1, threads, [&](int k) {
+        if (k > 0) {
+          of_group[k - 1] = columns.rows(s, groups[k - 1]);
+          return;
+        }
+        one.load = rigid_load(arm, bodies_, MotionView(s.time, s.q, s.dq, s.ddq));
+        if (all.filtering == Filtering::kMatched && all.cutoff > 0.0)
+          ZeroPhaseFilter(kLoadCutoffShare * all.cutoff, all.order, 1.0 / s.dt).apply(one.load);
+        PreprocessingOptions raw = all;
+        raw.cutoff = 0.0;
+        one.torque = RegressorColumns(arm, raw).predict(s, values).modelled;
+      });
+      pieces.emplace_back();
+      for (std::vector<JointRows>& some : of_group) std::move(some.begin(), some.end(), std::back_inserter(pieces.back()));
       torques.push_back(columns.filtered_torque(s));
       rows_ += static_cast<Eigen::Index>(one.kept.size());
       for (const Eigen::Index k : one.kept) {

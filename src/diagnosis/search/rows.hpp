@@ -47,7 +47,7 @@ struct Level {
 class Rows {
  public:
   /// @param arm  with values; these may be physically impossible.
-  Rows(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& how);
+  Rows(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& how, int threads = 1);
 
   const Model& arm() const { return arm_; }
   int joints() const { return arm_.joints(); }

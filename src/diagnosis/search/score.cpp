@@ -13,19 +13,53 @@
 namespace veridyn::search {
 namespace {
 
-// Scale of a Student-t distribution fitted to residuals, by fixed-point iteration.
-double student_scale(const VectorXd& r, const VectorXd& used, double floor) {
-  const double count = std::max(1.0, used.sum());
-  double s2 = std::max((r.array().square() * used.array()).sum() / count, floor * floor);
-  for (int k = 0; k < kFixedPoints; ++k) {
-    const double next = ((kFreedom + 1.0) * used.array() * r.array().square() / (kFreedom + r.array().square() / s2)).sum() / count;
-    s2 = std::max(next, floor * floor);
-  }
-  return std::sqrt(s2);
+// Squared residuals of the rows that count.
+Eigen::ArrayXd squares_of(const VectorXd& r, const VectorXd& used) {
+  return used.array() * r.array().square();
 }
 
-Eigen::ArrayXd losses_of(const VectorXd& r, double s) {
-  return std::log(s) + 0.5 * (kFreedom + 1.0) * (r.array().square() / (kFreedom * s * s)).log1p();
+// Scale s of a Student-t distribution with f degrees of freedom fitted to residuals, but not below a floor: the root of
+//
+//   ln((f + 1) mean w),  w = r^2 / (f s^2 + r^2),
+//
+// in u = ln s^2, which falls with u and has the derivative mean w^2 / mean w - 1 there; by Newton's method from the rms,
+// and by bisection where it would leave the bracket.
+double student_scale(const Eigen::ArrayXd& squares, double count, double floor) {
+  double low = std::log(floor * floor), high = std::max(low, std::log(squares.sum() / count)), u = high;
+  for (int k = 0; k < kScaleSteps && high - low > kSameScale; ++k) {
+    const double s2 = std::exp(u);
+    double first = 0.0, second = 0.0;
+    for (Eigen::Index r = 0; r < squares.size(); ++r) {
+      const double w = squares[r] / (kFreedom * s2 + squares[r]);
+      first += w;
+      second += w * w;
+    }
+    const double above = std::log((kFreedom + 1.0) * first / count);
+    (above > 0.0 ? low : high) = u;
+    const double next = u + above / (1.0 - second / first);
+    if (std::abs(next - u) < kSameScale) break;
+    u = next > low && next < high ? next : 0.5 * (low + high);
+  }
+  return std::exp(0.5 * u);
+}
+
+// Sums over blocks of the loss ln s + (f + 1) / 2 ln(1 + r^2 / (f s^2)). The logarithms of a block's rows are
+// those of their products. A row with block -1 does not count.
+void add_losses(const Eigen::ArrayXd& squares, const VectorXd& used, double s, const std::vector<int>& block, Eigen::Ref<VectorXd> sums) {
+  const double factor = 1.0 / (kFreedom * s * s), half = 0.5 * (kFreedom + 1.0), constant = std::log(s);
+  for (Eigen::Index r = 0; r < squares.size();) {
+    const int own = block[r];
+    double count = 0.0, logs = 0.0;
+    while (r < squares.size() && block[r] == own) {
+      double product = 1.0;
+      for (int k = 0; k < kLogsAtOnce && r < squares.size() && block[r] == own; ++k, ++r) {
+        product *= 1.0 + factor * squares[r];
+        count += used[r];
+      }
+      logs += std::log(product);
+    }
+    if (own >= 0) sums[own] += constant * count + half * logs;
+  }
 }
 
 // Number of independent samples: rows over the integrated autocorrelation of a residual in order of time.
@@ -62,6 +96,7 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
   }
   const Eigen::Index count = begin_.back();
   order_.resize(count);
+  for (const Eigen::Index r : order_) block_.push_back(folds.block[r]);
   Eigen::Index p = base_;
   for (const SetTerm& c : chosen) {
     ranges_.emplace_back(p, c.columns->count());
@@ -153,7 +188,7 @@ void Round::weigh(const MatrixXd& residual) {
   a_.resize(residual.rows(), n);
   weights_.resize(residual.rows(), n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    scale_[i] = student_scale(residual.col(i), used_.col(i), floor_[i]);
+    scale_[i] = student_scale(squares_of(residual.col(i), used_.col(i)), std::max(1.0, rows_of_[i]), floor_[i]);
     weights_.col(i) = (kFreedom + 1.0) / (kFreedom + (residual.col(i).array() / scale_[i]).square());
     VectorXd in_time = VectorXd::Zero(rows_.rows()), mask = in_time;
     for (size_t k = 0; k < order_.size(); ++k) {
@@ -331,16 +366,6 @@ double Round::training_gain(const Subset& s, const Cross& c) const {
   return with.in_span ? -1.0 : with.gain;
 }
 
-VectorXd Round::losses(const MatrixXd& residual, VectorXd& scale) const {
-  VectorXd out = VectorXd::Zero(residual.cols());
-  scale.resize(residual.cols());
-  for (Eigen::Index i = 0; i < residual.cols(); ++i) {
-    scale[i] = student_scale(residual.col(i), used_.col(i), floor_[i]);
-    if (rows_of_[i] > 0.0) out[i] = (losses_of(residual.col(i), scale[i]) * used_.col(i).array()).sum() / rows_of_[i];
-  }
-  return out;
-}
-
 Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   Fitted out;
   const auto n = static_cast<Eigen::Index>(X_.size());
@@ -381,7 +406,13 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
       }
     }
   }
-  out.loss = losses(sorted, out.scale);
+  out.scale.resize(n);
+  out.loss = MatrixXd::Zero(folds_.blocks, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::ArrayXd squares = squares_of(sorted.col(i), used_.col(i));
+    out.scale[i] = student_scale(squares, std::max(1.0, rows_of_[i]), floor_[i]);
+    add_losses(squares, used_.col(i), out.scale[i], block_, out.loss.col(i));
+  }
   out.x = s.x;
   VectorXd z = VectorXd::Zero(k);
   std::optional<Bordered> with;
@@ -394,7 +425,8 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   out.x.conservativeResize(s.x.size() + k);
   out.x.tail(k) = z;
   if (prior_) out.prior = 0.5 * out.x.head(base_).squaredNorm();
-  out.score = samples_.dot(out.loss) + out.prior;
+  out.score = samples_of_row().dot(out.loss.colwise().sum()) + out.prior;
+  if (c != nullptr) return out;
   out.residual = MatrixXd::Zero(rows_.rows(), n);
   for (size_t r = 0; r < order_.size(); ++r) out.residual.row(order_[r]) = sorted.row(static_cast<Eigen::Index>(r));
   return out;
@@ -402,27 +434,23 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
 
 namespace {
 
-// Gain between two residuals with their scales. The block of a row that does not count is -1.
-Gain gain_between(const MatrixXd& with, const VectorXd& with_scale, const MatrixXd& without, const VectorXd& without_scale,
-                  const MatrixXd& used, const VectorXd& weight, const std::vector<int>& block, int count, double errors) {
+// Gain of a set over another from the sums of their losses over blocks.
+// @param weight  (n) independent samples of a row.
+Gain gain_between(const Fitted& with, const Fitted& without, const VectorXd& weight, double errors) {
   Gain out;
-  const Eigen::Index n = with.cols();
-  MatrixXd blocks = MatrixXd::Zero(count, n);
-  out.rise = VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (weight[i] == 0.0) continue;
-    const Eigen::ArrayXd d = (losses_of(without.col(i), without_scale[i]) - losses_of(with.col(i), with_scale[i])) * used.col(i).array() * weight[i];
-    for (Eigen::Index r = 0; r < d.size(); ++r) {
-      if (block[r] >= 0) blocks(block[r], i) += d[r];
-    }
-    out.rise[i] = std::pow(with_scale[i] / without_scale[i], 2) - 1.0;
-    out.share = std::max(out.share, -out.rise[i]);
-  }
+  const MatrixXd blocks = (without.loss - with.loss) * weight.asDiagonal();
+  const auto count = static_cast<double>(blocks.rows());
   const double few = std::max(1.0, count - 1.0);
   const auto scatter = [&](const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().sum() * count / few); };
   out.of_joint = blocks.colwise().sum().transpose();
-  out.error_of_joint.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) out.error_of_joint[i] = scatter(blocks.col(i));
+  out.rise = VectorXd::Zero(weight.size());
+  out.error_of_joint.resize(weight.size());
+  for (Eigen::Index i = 0; i < weight.size(); ++i) {
+    out.error_of_joint[i] = scatter(blocks.col(i));
+    if (weight[i] == 0.0) continue;
+    out.rise[i] = std::pow(with.scale[i] / without.scale[i], 2) - 1.0;
+    out.share = std::max(out.share, -out.rise[i]);
+  }
   out.sum = out.of_joint.sum();
   out.error = scatter(blocks.rowwise().sum());
   out.limit = errors * out.error;
@@ -432,25 +460,29 @@ Gain gain_between(const MatrixXd& with, const VectorXd& with_scale, const Matrix
 }  // namespace
 
 Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, const VectorXd& weight) {
-  VectorXd scale_with(with.cols()), scale_without(with.cols());
-  for (Eigen::Index i = 0; i < with.cols(); ++i) {
-    const double least = std::max(numerics::kNoise, kLeastScale * rows.measured.col(i).norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, rows.rows()))));
-    scale_with[i] = student_scale(with.col(i), rows.used.col(i), least);
-    scale_without[i] = student_scale(without.col(i), rows.used.col(i), least);
-  }
   std::vector<int> block;
   std::map<std::pair<size_t, int>, int> known;
   for (Eigen::Index r = 0; r < rows.rows(); ++r) {
     const std::pair<size_t, int> at(rows.recording()[r], static_cast<int>(rows.time()[r] / kBlockSeconds));
     block.push_back(known.emplace(at, static_cast<int>(known.size())).first->second);
   }
-  return gain_between(with, scale_with, without, scale_without, rows.used, weight, block, static_cast<int>(known.size()), kRepeated);
+  const auto fitted = [&](const MatrixXd& residual) {
+    Fitted out;
+    out.scale.resize(residual.cols());
+    out.loss = MatrixXd::Zero(static_cast<Eigen::Index>(known.size()), residual.cols());
+    for (Eigen::Index i = 0; i < residual.cols(); ++i) {
+      const double least = std::max(numerics::kNoise, kLeastScale * rows.measured.col(i).norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, rows.rows()))));
+      const Eigen::ArrayXd squares = squares_of(residual.col(i), rows.used.col(i));
+      out.scale[i] = student_scale(squares, std::max(1.0, rows.used.col(i).sum()), least);
+      add_losses(squares, rows.used.col(i), out.scale[i], block, out.loss.col(i));
+    }
+    return out;
+  };
+  return gain_between(fitted(with), fitted(without), weight, kRepeated);
 }
 
 Gain Round::gain(const Fitted& with, const Fitted& without) const {
-  std::vector<int> block = folds_.block;
-  for (size_t r = 0; r < block.size(); ++r) block[r] = folds_.of_row[r] < 0 ? -1 : block[r];
-  Gain out = gain_between(with.residual, with.scale, without.residual, without.scale, rows_.used, samples_of_row(), block, folds_.blocks, folds_.errors);
+  Gain out = gain_between(with, without, samples_of_row(), folds_.errors);
   out.prior = without.prior - with.prior;
   out.sum += out.prior;
   return out;

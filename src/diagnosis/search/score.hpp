@@ -17,11 +17,11 @@ struct SetTerm {
   std::vector<Level> nonnegative;
 };
 
-/// A fitted set of terms with its held-out residual.
+/// A fitted set of terms with its held-out errors.
 struct Fitted {
-  MatrixXd residual;  ///< (rows x n) held out, in order of time
+  MatrixXd residual;  ///< (rows x n) held out, in order of time; empty for a set with a further term
   VectorXd scale;     ///< (n) of the Student-t loss
-  VectorXd loss;      ///< (n) mean loss over the rows
+  MatrixXd loss;      ///< (blocks x n) sum of the loss over the rows of every block
   double score = 0.0; ///< without the prices of terms
   VectorXd x;         ///< coefficients from all rows: directions of the base, then every chosen term, then the further one
   double prior = 0.0;
@@ -88,13 +88,13 @@ class Round {
   void within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const;
   void weigh(const MatrixXd& residual);
   void gram();
-  VectorXd losses(const MatrixXd& residual, VectorXd& scale) const;
 
   const Rows& rows_;
   const Folds& folds_;
   Eigen::Index base_ = 0;
   bool prior_ = false;
   std::vector<Eigen::Index> order_, begin_;  // rows sorted by fold; first row of every fold, then the number of rows
+  std::vector<int> block_;                   // of the sorted rows
   std::vector<std::vector<int>> acting_;     // for each joint, the columns with a torque on it
   std::vector<MatrixXd> X_;                  // for each joint, these columns in sorted rows
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;  // first column and number of columns of every chosen term

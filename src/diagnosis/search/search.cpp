@@ -251,7 +251,7 @@ class Search {
   }
 
   // Compares all terms on several joints with a single term that acts on several joints, linearised again;
-  // drops terms that are then superfluous.
+  // drops terms that are then superfluous. Each such term is tried once.
   bool whole_arm() {
     const size_t own = std::count_if(at_.terms.begin(), at_.terms.end(), [](const Chosen& c) { return c.term.joint.has_value(); });
     if (own < 2) return false;
@@ -265,12 +265,12 @@ class Search {
     }
     const Subset s = now.subset(at_.all_but(local));
     const auto may_enter = [&](const Term& t) {
-      return is_name(t) && !t.joint && !at_.is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
+      return is_name(t) && !t.joint && !at_.is_chosen(t) && tried_.count(t.place) == 0;
     };
     std::vector<Option> options = options_.best_terms(now, s, options_.dictionary(now, may_enter), 1.0, may_enter);
     options.resize(std::min(options.size(), kMostWholeArm));
     for (const Option& o : options) {
-      tried_.insert(o.term.place + std::to_string(before.size()));
+      tried_.insert(o.term.place);
       if (!std::isfinite(o.value)) continue;
       at_.terms.clear();
       for (size_t k = 0; k < before.size(); ++k) {
