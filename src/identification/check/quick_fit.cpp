@@ -154,7 +154,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
   const int n = arm_.joints(), size = base_.size();
   QuickFit out;
   out.moments = moments;
-  out.shares = VectorXd::Ones(n);
+  out.shares = out.fitted = VectorXd::Ones(n);
   out.folds = MatrixXd::Ones(n, checking::kFolds);
   out.friction = out.friction_significance = out.ratios = out.noise2 = out.alone = out.together = VectorXd::Zero(n);
   for (int i = 0; i < n; ++i) {
@@ -199,6 +199,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     return solution(total);
   };
   const VectorXd beta = solution(total);
+  for (int i = 0; i < n; ++i) out.fitted[i] = residual2(sums[i], beta(moments->columns[i])) / std::max(all[i], 1e-300);
   const double rho = std::sqrt(residual2(total, beta));
   for (int i = 0; i < n; ++i) {
     const VectorXd power = moments->power.row(i).transpose() / std::max(std::sqrt(all[i] * moments->speed2[i]), 1e-300);

@@ -34,6 +34,7 @@ RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& o
 struct QuickFit {
   VectorXd shares;  ///< by joint: unexplained share of its squared torque
   MatrixXd folds;   ///< (joints x folds) the same in each fold
+  VectorXd fitted;  ///< (n) the same of the fit to all rows, none of them held out
   /// Sum over the joints of log(share), plus costs of contradictions to physics or to the file's values.
   double misfit = 0.0;
   double contradictions = 0.0;  ///< the part of the misfit from contradictions to the file's values
@@ -51,14 +52,24 @@ struct QuickFit {
   double left() const { return std::sqrt(shares.mean()); }
   double noise() const { return std::sqrt(noise2.mean()); }
   /// True if the remaining error of a joint is close to its noise.
-  bool is_near(Eigen::Index joint) const {
-    return std::sqrt(shares[joint]) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
-  }
+  bool is_near(Eigen::Index joint) const { return is_near(joint, shares[joint]); }
   bool is_near() const {
     for (Eigen::Index joint = 0; joint < shares.size(); ++joint) {
       if (!is_near(joint)) return false;
     }
     return true;
+  }
+  /// The same of the fit to all rows: no row contradicts the others, even where some cannot be predicted from the others.
+  bool fits_all_rows() const {
+    for (Eigen::Index joint = 0; joint < fitted.size(); ++joint) {
+      if (!is_near(joint, fitted[joint])) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool is_near(Eigen::Index joint, double share) const {
+    return std::sqrt(share) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
   }
 };
 

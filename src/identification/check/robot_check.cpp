@@ -266,7 +266,7 @@ class RobotCheck {
   // contradict, they concern torques and gravity.
   std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
     std::vector<RecordingQuestion> all = questions_of(given_, recording_, moves_, so_far.fit);
-    const bool fits = so_far.fit.is_near();
+    const bool fits = so_far.fit.is_near() || so_far.fit.fits_all_rows();
     const auto closed = [&](const RecordingQuestion& q) {
       if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
       return std::any_of(so_far.set.begin(), so_far.set.end(), [&](const RecordingQuestion& chosen) {
