@@ -15,6 +15,8 @@ constexpr double kWorstCondition = 2e4;
 /// joint that fits badly in any case does not hide another one. Decrease of the misfit > kBetter: a
 /// hypothesis is accepted; this corresponds to one joint's share falling to 0.4 of its value.
 constexpr double kBetter = 0.9;
+/// decrease of the misfit in a fit to all rows, none of them held out > kBetterFitted.
+constexpr double kBetterFitted = 0.3;
 /// Decrease of the misfit > kGainsBetter: efforts are currents. Drive gains differ little between joints, and
 /// so do the fits.
 constexpr double kGainsBetter = 0.3;

@@ -187,7 +187,7 @@ class List {
     if (torque_ == "tau") torques();
     if (torque_ == "tau" && fit.moments != nullptr) factors(fit);
     brakes();
-    clocks(fit);
+    clocks();
     exchanges();
     gravity();
     convention();
@@ -353,9 +353,9 @@ class List {
 
   // Torques that lag or lead the motion. Errors below kBadly come from friction near rest on correct
   // recordings, and are not tested.
-  void clocks(const QuickFit& fit) {
+  void clocks() {
     bool any = false;
-    for (int i = 0; i < joints() && !fit.fits_all_rows(); ++i) any = any || is_badly_explained(i);
+    for (int i = 0; i < joints(); ++i) any = any || is_badly_explained(i);
     if (!any) return;
     const double length = r_.time[r_.rows() - 1] - r_.time[0];
     for (const double late : checking::kDelays) {

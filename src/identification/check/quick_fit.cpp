@@ -37,6 +37,10 @@ VectorXd solution(const MatrixXd& products) {
   return scale.cwiseProduct(normal_solution(G, scale.cwiseProduct(products.col(size).head(size))));
 }
 
+double sum_of_logs(const VectorXd& shares) {
+  return shares.cwiseMax(checking::kSmallestShare * checking::kSmallestShare).array().log().sum();
+}
+
 // || A x - b ||^2
 double residual2(const MatrixXd& products, VectorXd x) {
   x.conservativeResize(x.size() + 1);
@@ -199,7 +203,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     return solution(total);
   };
   const VectorXd beta = solution(total);
-  for (int i = 0; i < n; ++i) out.fitted[i] = residual2(sums[i], beta(moments->columns[i])) / std::max(all[i], 1e-300);
+  for (int i = 0; i < n; ++i) out.fitted[i] = all[i] > 0.0 ? residual2(sums[i], beta(moments->columns[i])) / all[i] : 0.0;
   const double rho = std::sqrt(residual2(total, beta));
   for (int i = 0; i < n; ++i) {
     const VectorXd power = moments->power.row(i).transpose() / std::max(std::sqrt(all[i] * moments->speed2[i]), 1e-300);
@@ -224,10 +228,22 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     out.together = solution(Q).normalized();
   }
   if (out.together.sum() < 0.0) out.together *= -1.0;
-  out.misfit = out.shares.cwiseMax(checking::kSmallestShare * checking::kSmallestShare).array().log().sum();
   out.contradictions = contradictions(out);
-  out.misfit += out.contradictions;
+  out.misfit = sum_of_logs(out.shares) + out.contradictions;
+  out.fitted_misfit = sum_of_logs(out.fitted) + out.contradictions;
+  out.values = beta;
   return out;
+}
+
+double QuickFitter::misfit_of(const VectorXd& values, const RegressorMoments& moments, const MatrixXd& torques) const {
+  VectorXd shares = VectorXd::Zero(torques.cols());
+  for (int i = 0; i < arm_.joints(); ++i) {
+    const auto own = static_cast<Eigen::Index>(moments.columns[i].size());
+    MatrixXd sum = MatrixXd::Zero(own + 1, own + 1);
+    for (const std::vector<MatrixXd>& fold : moments.products) sum += changed(fold[i], MatrixXd::Identity(own, own), torques.col(i));
+    if (sum(own, own) > 0.0) shares[i] = residual2(sum, values(moments.columns[i])) / sum(own, own);
+  }
+  return sum_of_logs(shares);
 }
 
 double QuickFitter::contradictions(const QuickFit& fit) const {

@@ -34,10 +34,12 @@ RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& o
 struct QuickFit {
   VectorXd shares;  ///< by joint: unexplained share of its squared torque
   MatrixXd folds;   ///< (joints x folds) the same in each fold
-  VectorXd fitted;  ///< (n) the same of the fit to all rows, none of them held out
   /// Sum over the joints of log(share), plus costs of contradictions to physics or to the file's values.
   double misfit = 0.0;
   double contradictions = 0.0;  ///< the part of the misfit from contradictions to the file's values
+  VectorXd fitted;                 ///< (n) unexplained share in the fit to all rows, none of them held out
+  double fitted_misfit = 0.0;      ///< the misfit of that fit
+  VectorXd values;                 ///< base parameters of that fit
   VectorXd friction;               ///< by joint: power lost to friction, relative to rms torque times rms speed
   VectorXd friction_significance;  ///< by joint: relative rise of the rms misfit without friction
   /// (n) recorded torque relative to that of the file's values; 0 if these explain too little of it.
@@ -51,25 +53,16 @@ struct QuickFit {
   /// Relative error of the torque, root mean square over the joints; noise() is the same for white noise.
   double left() const { return std::sqrt(shares.mean()); }
   double noise() const { return std::sqrt(noise2.mean()); }
+  double fitted_left() const { return std::sqrt(fitted.mean()); }
   /// True if the remaining error of a joint is close to its noise.
-  bool is_near(Eigen::Index joint) const { return is_near(joint, shares[joint]); }
+  bool is_near(Eigen::Index joint) const {
+    return std::sqrt(shares[joint]) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
+  }
   bool is_near() const {
     for (Eigen::Index joint = 0; joint < shares.size(); ++joint) {
       if (!is_near(joint)) return false;
     }
     return true;
-  }
-  /// The same of the fit to all rows: no row contradicts the others, even where some cannot be predicted from the others.
-  bool fits_all_rows() const {
-    for (Eigen::Index joint = 0; joint < fitted.size(); ++joint) {
-      if (!is_near(joint, fitted[joint])) return false;
-    }
-    return true;
-  }
-
- private:
-  bool is_near(Eigen::Index joint, double share) const {
-    return std::sqrt(share) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
   }
 };
 
@@ -86,6 +79,9 @@ class QuickFitter {
 
   /// @param torques  (n x n) maps the recorded torques to those of the joints, row i for joint i.
   QuickFit fit(const std::shared_ptr<const RegressorMoments>& moments, const MatrixXd& torques) const;
+
+  /// Misfit of given base parameters, without contradictions, as QuickFit::fitted_misfit.
+  double misfit_of(const VectorXd& values, const RegressorMoments& moments, const MatrixXd& torques) const;
 
   /// (n) share of a spring's torque on each joint that no other parameter of the arm can represent, its
   /// offset excluded.
