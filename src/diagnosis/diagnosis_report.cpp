@@ -269,6 +269,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   if (!baseline.model) return baseline.report();
   std::string out = fmt::format("verdict: {}\n{}: {} hypotheses tested in {:.1f} s\n", verdict(),
                                 baseline.robot, hypotheses, seconds);
+  for (const std::string& warning : baseline.warnings) out += "warning: " + warning + "\n";
   for (const RecordingQuality& q : data_quality) {
     for (const QualityFinding& f : q.findings) {
       if (f.severity != Severity::kInfo)

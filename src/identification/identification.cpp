@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "identification/differing_recordings.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identified_base.hpp"
 #include "identification/recording_passes.hpp"
@@ -396,6 +397,7 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
   say("validating", identifying::kValidating);
   id.factors = std::move(trained);
   validate(arm.effective_arm(), test, options, passes, id);
+  if (std::string differ = differing_recordings(arm.effective_arm(), id); !differ.empty()) id.warnings.push_back(std::move(differ));
   if (torques_are_negligible(id)) return id;
   store_training_error(id);
   say("done", 1.0);

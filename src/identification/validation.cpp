@@ -16,6 +16,7 @@
 #include "veridyn/math/numbers.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
+#include "recordings/same_recording.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 
@@ -228,6 +229,40 @@ void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
   }
 }
 
+// Sets what the test recordings cannot tell: those with rows that were learned from, and joints that rest in all of them.
+void judge_tests(const std::vector<Coordinate>& joints, const std::vector<CompressedRecording>& held_out, Identification& id) {
+  for (size_t t = 0; t < held_out.size(); ++t) {
+    for (const CompressedRecording& r : id.factors) {
+      const double share = share_of_rows(held_out[t].facts.row_hashes, r.facts.row_hashes);
+      if (share < identifying::numbers.learned_rows) continue;
+      id.test[t].learned_from = r.source;
+      // Files of fewer digits round some rows otherwise.
+      const std::string part = share > 1.0 - identifying::numbers.learned_rows ? "its rows" : fmt::format("{:.0f} % of its rows", 100.0 * share);
+      id.warnings.push_back(held_out[t].source + ": " + part + " are rows of " + r.source + ", which is learned from: its error is not held out; test on another recording");
+      break;
+    }
+  }
+  if (held_out.empty() || id.factors.empty()) return;
+  const auto rests = [&](const std::vector<CompressedRecording>& tests, size_t joint) {
+    const auto largest = [joint](const std::vector<CompressedRecording>& all, auto figure) {
+      double out = 0.0;
+      for (const CompressedRecording& r : all) out = std::max(out, figure(r.joints[joint]));
+      return out;
+    };
+    const auto little = [&](auto figure) { return largest(tests, figure) < identifying::numbers.hardly_moves * largest(id.factors, figure); };
+    return little([](const TorqueFacts& j) { return j.travel(); }) && little([](const TorqueFacts& j) { return j.largest_speed; });
+  };
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (rests(held_out, i)) id.still_in_test.push_back(joints[i].name);
+  }
+  for (const CompressedRecording& r : held_out) {
+    bool all = true;
+    for (size_t i = 0; i < joints.size(); ++i) all = all && rests({r}, i);
+    if (all)
+      id.warnings.push_back(r.source + ": the arm hardly moves, and dry friction holds any torque within its band: gravity can be judged up to that, friction and inertia cannot; test on a motion");
+  }
+}
+
 }  // namespace
 
 MeasuredRecordings RecordingPasses::measure(const Model& arm, const std::vector<std::string>& test, int threads,
@@ -253,6 +288,7 @@ void validate(const Model& arm, const std::vector<std::string>& test, const Iden
   const auto begin = std::chrono::steady_clock::now();
   MeasuredRecordings measured = passes.measure(arm, test, options.threads, id);
   set_errors(arm, std::move(measured.train), std::move(measured.test), id);
+  judge_tests(arm.coordinates(), measured.held_out, id);
   for (const auto* recordings : {&id.factors, &measured.held_out}) remark_on_gaps(*recordings, id.remarks);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

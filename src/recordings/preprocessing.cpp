@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "recordings/kept_recordings.hpp"
+#include "recordings/same_recording.hpp"
 #include "recordings/signals/units.hpp"
 #include "recordings/uniform_stream.hpp"
 #include "veridyn/math/require.hpp"
@@ -118,6 +119,14 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
                      const PreprocessingOptions& o,
                      const std::function<void(const Segment&)>& visit) {
   ++g_prepared;
+  RowSample sample;
+  long at = 0;
+  source = [&, read = std::move(source)](int wanted) {
+    Recording piece = read(wanted);
+    sample.add(piece, o.first_row - at, o.row_count ? o.first_row + *o.row_count - at : piece.rows());
+    at += piece.rows();
+    return piece;
+  };
   SoundRows sound(source);
   if (o.stale_rows == StaleRows::kFilled)
     source = [&sound](int wanted) { return sound.next(wanted); };
@@ -163,6 +172,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   }
   facts.rows_read = stream.rows_read();
   facts.filled = sound.filled();
+  facts.row_hashes = sample.hashes();
   return facts;
 }
 

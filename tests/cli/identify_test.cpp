@@ -298,6 +298,22 @@ TEST_F(Identify, ARecordingOfGapsIsRefusedInOneLine) {
   EXPECT_NE(done.err.find("no usable samples are left after gaps"), std::string::npos) << done.err;
 }
 
+// A piece of the training recording as test, with times and a name of its own, in identify and diagnose alike.
+TEST_F(Identify, APieceOfATrainingRecordingIsNotHeldOut) {
+  Recording piece = rows_of(read_recording(train_), 500, 1400);
+  const double begin = piece.time[0];
+  piece.time.array() -= begin;
+  write_recording(piece, folder_.path("piece.csv"));
+  const std::string said = folder_.path("piece.csv") + ": its rows are rows of " + train_ + ", which is learned from: its error is not held out";
+  for (const char* command : {"identify", "diagnose"}) {
+    const ToolRun done = run_tool({command, "planar-2r", "--train", train_, "--test", folder_.path("piece.csv"), "--json", folder_.path("out.json"), "--quiet"});
+    EXPECT_EQ(done.status, 0) << done.err;
+    EXPECT_NE(done.out.find("warning: " + said), std::string::npos) << done.out;
+    EXPECT_EQ(json_of(folder_.path("out.json"))["warnings"].size(), 1U);
+  }
+  EXPECT_EQ(run({}).out.find("warning"), std::string::npos);
+}
+
 // Zero velocities of two joints in two recordings are four findings of one kind.
 TEST(VelocitiesOfZero, AreOneWarning) {
   const TemporaryFolder folder;

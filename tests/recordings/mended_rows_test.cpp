@@ -99,12 +99,13 @@ TEST_F(AWrongRow, IsNotReportedForACorrectRecording) {
   EXPECT_EQ(plain.tau, mended.tau);
 }
 
-// Rows that were lost, with times that are counted on: the joints jump on with their motion, and no row between is wrong.
+// Rows that were lost twice within a second, with times that are counted on: the joints jump on with their motion, which does
+// not turn meanwhile, and no row between is wrong.
 TEST_F(AWrongRow, IsNoDropoutWhereRowsWereLost) {
   Recording r = smooth();
   int kept = 0;
   for (int k = 0; k < kMendedRows; ++k) {
-    if (k % 150 >= 100) continue;
+    if ((k >= 400 && k < 440) || (k >= 480 && k < 520)) continue;
     for (MatrixXd Recording::*signal : {&Recording::q, &Recording::dq, &Recording::tau}) (r.*signal).row(kept) = (r.*signal).row(k).eval();
     ++kept;
   }
@@ -150,6 +151,32 @@ TEST_F(AWrongRow, OfIsolatedZerosIsDropped) {
   EXPECT_LT((mended.q - r.q).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_NE(remarks_.find("400 rows of zeros alone amid the motion"), std::string::npos) << remarks_;
   EXPECT_EQ(read(both, as_recorded()).rows(), kMendedRows + 400);
+}
+
+// An encoder that does not answer for two seconds, with a velocity that stays as well or is zero at once.
+TEST_F(AWrongRow, OfAFrozenEncoderIsAGap) {
+  for (const bool zero : {false, true}) {
+    Recording r = smooth();
+    r.q.col(1).segment(500, 200).setConstant(r.q(500, 1));
+    r.dq.col(1).segment(501, 199).setConstant(zero ? 0.0 : r.dq(500, 1));
+    const Recording mended = read(r);
+    for (int k = 0; k < kMendedRows; ++k) EXPECT_EQ(std::isnan(mended.q(k, 1)), k > 500 && k < 700) << k;
+    EXPECT_TRUE(mended.q.col(0).allFinite());
+    EXPECT_NE(remarks_.find("q2 and dq2 stay the same in 199 rows"), std::string::npos) << remarks_;
+    EXPECT_TRUE(read(r, as_recorded()).q.allFinite());
+  }
+}
+
+// A joint that brakes within a fifth of a second and rests for two.
+TEST_F(AWrongRow, IsNotReportedForAJointThatRests) {
+  Recording r = smooth();
+  double speed = r.dq(500, 1);
+  for (int k = 501; k < 720; ++k) {
+    r.dq(k, 1) = speed *= k < 520 ? 0.8 : 0.0;
+    r.q(k, 1) = r.q(k - 1, 1) + kStep * speed;
+  }
+  EXPECT_TRUE(read(rows_of(r, 0, 720)).q.allFinite()) << remarks_;
+  EXPECT_EQ(remarks_, "");
 }
 
 // A step to another place for good is no dropout: the check of jumps names it.
@@ -206,6 +233,21 @@ TEST_F(AWrongRow, AfterAClockStepIsShiftedInTime) {
   const Recording mended = read_again({});
   EXPECT_LT((mended.time - r.time).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_NE(remarks_.find("at row 600 while the arm moves on"), std::string::npos) << remarks_;
+}
+
+// A clock that counts seconds, and from some row on milliseconds, or the other way round.
+TEST_F(AWrongRow, OfAClockThatChangesItsUnitIsScaled) {
+  const Recording r = smooth();
+  for (const bool later : {true, false}) {
+    write_times(r, [&](int k) { return std::to_string((k >= 600) == later ? 1e3 * r.time[k] : r.time[k]); });
+    RecordingOptions options;
+    if (!later) options.signals.units = {{"t", "ms"}};
+    EXPECT_LT((read_again(options).time - r.time).cwiseAbs().maxCoeff(), 1e-5) << later;
+    EXPECT_NE(remarks_.find(later ? "from row 600 on the times are in another unit: divided by 1000" : "multiplied by 1000"), std::string::npos) << remarks_;
+  }
+  write_times(r, [&](int k) { return std::to_string(k >= 600 ? 1e3 * r.time[k] : r.time[k]); });
+  EXPECT_GT(read_again(as_recorded()).time[kMendedRows - 1], 1e4);
+  EXPECT_EQ(remarks_, "");
 }
 
 TEST_F(AWrongRow, OfASecondRecordingIsReportedWithOptions) {

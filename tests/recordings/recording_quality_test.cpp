@@ -243,9 +243,9 @@ TEST(AFault, SingleWrongTorquesDoNotRing) {
 // A torque that is refreshed every tenth row holds its extremes as it holds all values.
 TEST(AFault, ATorqueThatIsHeldIsNotSaturated) {
   Recording r = clean_recording();
-  for (int k = 0; k < kRows; ++k) r.tau.row(k) = r.tau.row(k - k % 10).eval();
+  for (int k = 0; k < kRows; ++k) r.tau.row(k) = r.tau.row(k - k % 10).eval();  // one new value in ten rows
   const RecordingQuality quality = check_recording(r);
-  EXPECT_NE(quality.find("stale_signal"), nullptr) << quality.report();
+  EXPECT_NEAR(found(quality, "stale_signal").share, 0.9, 1e-3);
   EXPECT_EQ(quality.find("saturation"), nullptr) << quality.report();
   EXPECT_TRUE(quality.saturated.empty());
 }

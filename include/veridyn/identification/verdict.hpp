@@ -17,7 +17,7 @@ enum class IdentifiedState {
   kUnexplained,  ///< the residual is far above the floor: the model is incomplete
   kHardlyMoved,  ///< the joint hardly moves in the recordings
   kNoTorque,     ///< its torque is always zero: it was not recorded, or the joint was not driven
-  kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown
+  kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown, or the joint hardly moves in the test
 };
 /// "at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell".
 const char* name_of(IdentifiedState state);
@@ -35,7 +35,7 @@ struct IdentifiedJoint {
 /// Quality of an identification joint by joint, with the recommended next step.
 struct IdentificationVerdict {
   std::vector<IdentifiedJoint> joints;
-  bool held_out = false;  ///< errors are of held-out recordings
+  bool held_out = false;  ///< errors are of held-out recordings, of which no row was learned from
   std::string sentence;   ///< joints by state, with the recommendation
 };
 

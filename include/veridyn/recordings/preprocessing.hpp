@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <map>
@@ -133,6 +134,7 @@ struct PreparationFacts {
   long unused = 0;   ///< of these samples, in or near gaps
   long rows_read = 0;
   FilledRows filled;
+  std::vector<std::uint64_t> row_hashes;  ///< sample of the selected rows, by which pieces of one recording are known
 };
 
 /// Reads a recording of any length once and calls `visit` for segments of a few thousand samples.

@@ -74,6 +74,7 @@ Diagnosis diagnosed(const DiagnoseRequest& request, const Model& arm) {
   const IdentificationOptions& how = request.options.identification;
   if (!are_rest_poses(request.rest, arm, request.train, how.preprocessing))
     return diagnose(arm, request.train, request.test, request.options);
+  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, how);
   return diagnose_at_rest(arm, train, test, request.options);
 }
@@ -85,7 +86,6 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   expect_known_places(arm, request.options.effects);
   warn_of_repeated_recordings(request.train);
-  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   if (!request.values.empty())
     request.options.values = request.values == "prior" ? RobotValues::kPrior : RobotValues::kFacts;
   IdentificationOptions& how = request.options.identification;

@@ -24,7 +24,6 @@ ExitStatus run(FrictionRequest& request, const std::string& command_line) {
   require_writable(request.common.json, request.common.report);
   const Model arm = read_robot(request.robot, request.common, &request.options.identification.preprocessing.signals);
   warn_of_repeated_recordings(request.recordings);
-  warn_of_shared_recordings(request.recordings, request.test);
   request.options.identification.threads = request.common.threads;
   request.options.identification.progress = progress(request.common);
   const FrictionStudy study = study_friction(arm, request.recordings, request.test, request.options);
@@ -32,6 +31,7 @@ ExitStatus run(FrictionRequest& request, const std::string& command_line) {
     print_message(study.reason);
     return kDataCannotAnswer;
   }
+  for (const std::string& warning : study.diagnosis.baseline.warnings) print_message("warning: " + warning);
   write_results(request.common, study, command_line, &arm);
   std::cout << study.report();
   return kDone;

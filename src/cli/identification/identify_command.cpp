@@ -238,7 +238,6 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   expect_simulation_of("--model-out", request.model_out, request.robot);
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
-  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_robot(request.robot, request.common, &request.options.preprocessing.signals);
   IdentificationOptions options = identification_options(request);
   keep_recordings(options, KeptRecordings::kFewPasses);
@@ -248,6 +247,7 @@ ExitStatus run(IdentifyRequest& request, const std::string& command_line) {
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
   const bool poses = request.rest.at_rest || !request.rest.approach.empty() ||
                      (request.factors.empty() && are_rest_poses(request.rest, arm, request.train, options.preprocessing));
+  if (poses && !request.test_rows) warn_of_shared_recordings(request.train, request.test);
   if (!poses) check_recordings(arm, recordings, options.preprocessing, options.threads);
   Identification id = poses ? identified_at_rest(request, arm, options) : identified(request, arm, options);
   if (!id.model) {

@@ -386,7 +386,7 @@ void ChangeFinder::report_ended_push(const Push& push, double now) {
   open_.reset();
   const int j = push.last_joint ? push.last_joint->value : 0;
   const Coordinate& joint = arm_.coordinates()[j];
-  WatchEvent e = event(c, now - push.to < numbers_.push_ends ? WatchStage::kNamed : WatchStage::kOver, now);
+  WatchEvent e = event(c, now - push.to < numbers_.push_ends ? WatchStage::kUnnamed : WatchStage::kOver, now);
   e.cause = ExternalContact{{j}};
   e.since = push.from;
   e.until = push.to;

@@ -49,6 +49,7 @@ std::string sentence(const WatchEvent& e) {
       return fmt::format("{:.2f} s: something changed, at about {:.2f} s; most like {}.", e.time,
                          e.since, e.text);
     case WatchStage::kNamed:
+    case WatchStage::kUnnamed:
       return fmt::format("{:.2f} s: since {:.2f} s {}.{}", e.time, e.since, what(e),
                          rivals_words(e));
     case WatchStage::kRefined:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "math/median.hpp"
 #include "math/decompositions.hpp"
@@ -213,6 +214,11 @@ void SmoothedRows::add(const Recording& rows) {
 
 // Processes one recorded row: the grid points between it and the previous row.
 void SmoothedRows::place(const Row& row) {
+  // The window of the smoothing holds so few rows that the lines between them have other derivatives.
+  const double apart = row.t - std::exchange(placed_, row.t);
+  std::string sparse;
+  if (2.0 * apart > half_ * dt_ && apart <= numbers_.pause)
+    sparse = text("rows come every ", std::round(1e4 * apart) / 10.0, " ms, and every ", std::round(1e4 * dt_) / 10.0, " ms before");
   if (has_last_) {
     const bool same = row.q == last_.q && row.tau == last_.tau;
     if (same && moved()) {
@@ -220,7 +226,7 @@ void SmoothedRows::place(const Row& row) {
       return;
     }
     if (row.t - last_.t > numbers_.pause) {
-      mark_unusable(row.t, "no usable row came");
+      mark_unusable(row.t, sparse.empty() ? "no usable row came" : sparse);
       restart();
     } else if (same && repeats_ < numbers_.repeats) {
       ++repeats_;  // repeated row: interpolated once a new row arrives
@@ -236,13 +242,14 @@ void SmoothedRows::place(const Row& row) {
   path_time_ = row.t;
   std::string why = stuck_reason(torque_, "tau", row.tau, row.q, row.t);
   if (why.empty() && has_velocity_) why = stuck_reason(position_, "q", row.q, path_, row.t);
+  if (why.empty()) why = sparse;
   if (why.empty() && contradicts_) why = "positions and velocities contradict each other";
   if (why.empty()) {
     mark_usable(row.t);
     torque2_ += (row.tau.cwiseAbs2() - torque2_) / static_cast<double>(++count_);
   } else {
     mark_unusable(row.t, why);
-    if (!contradicts_) return;
+    if (!contradicts_ && (sparse.empty() || is_blind_)) return;
   }
   if (!has_last_) {
     first_t_ = row.t;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <deque>
 #include <functional>
 #include <string>
@@ -120,6 +121,7 @@ class SmoothedRows {
   // Last usable row and last row of all [s].
   double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
   bool heard_any_ = false, is_blind_ = false;
+  double placed_ = HUGE_VAL;  // [s] time of the last row that came to place()
   long back_ = 0;  // rows in a row whose time does not rise above the last one's
   double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise
   Standing torque_, position_;

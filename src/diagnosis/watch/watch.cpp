@@ -158,7 +158,9 @@ class Watch::Implementation {
     remarks_ = remarks_on(wrong_, arm_);
     if (unassessed_.rows() > 0) {
       const RecordingQuality quality = check_recording(unassessed_);
-      if (const QualityFinding* unit = quality.find("time_unit")) remarks_.push_back(unit->sentence);
+      for (const char* clock : {"time_unit", "rate_contradiction"}) {
+        if (const QualityFinding* off = quality.find(clock)) remarks_.push_back(off->sentence);
+      }
       watch(unassessed_);
     }
     unassessed_ = {};
@@ -201,6 +203,7 @@ const char* name_of(WatchStage stage) {
   switch (stage) {
     case WatchStage::kSuspected: return "suspected";
     case WatchStage::kNamed: return "named";
+    case WatchStage::kUnnamed: return "unnamed";
     case WatchStage::kRefined: return "refined";
     case WatchStage::kOver: return "over";
     case WatchStage::kPresent: return "present";

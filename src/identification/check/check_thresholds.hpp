@@ -134,6 +134,10 @@ constexpr double kOwnFactor = 1.2;
 /// as between two clocks; refined afterwards. Delays of up to half a period of usual motions are found.
 inline constexpr double kDelays[] = {0.03, 0.1};
 constexpr double kDrift = 3.0;
+/// Tested time constants of a low-pass of all torques = kFilters [s], 3, 1 and 0.3 Hz, and clocks that are twice too fast or
+/// too slow, refined afterwards from relative steps of kFactorStep.
+inline constexpr double kFilters[] = {0.053, 0.16, 0.53};
+constexpr double kFactorStep = 0.3;
 /// Number of moments at which something may have changed = kMoments - 1; cost of excluding rows = kOfRows, so
 /// that the longest part is kept among those that fit equally well.
 constexpr int kMoments = 16;

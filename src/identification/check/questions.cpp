@@ -135,6 +135,32 @@ RecordingQuestion torques_late(double late, double later, double length, int joi
   return q;
 }
 
+// Torques that passed an exponential filter, y += (1 - a) (x - y), with this time constant [s].
+RecordingQuestion torques_filtered(double constant) {
+  RecordingQuestion q{"torque_filter", 0, 0, fmt::format("The torques passed a low-pass of about {:.2g} Hz", 0.5 / (M_PI * constant))};
+  q.other = "recording them without it";
+  q.rows = [constant](Recording& r) {
+    const MatrixXd tau = r.tau;
+    for (Eigen::Index k = 1; k < tau.rows(); ++k) r.tau.row(k) += (tau.row(k) - tau.row(k - 1)) / std::expm1((r.time[k] - r.time[k - 1]) / constant);
+  };
+  return numbered(std::move(q), checking::kFactorStep, [=](double distance) {
+    return std::vector<RecordingQuestion>{torques_filtered(constant * (1.0 + distance)), torques_filtered(constant / (1.0 + distance))};
+  });
+}
+
+// A clock that counts this many seconds in one, from which recorded velocities were computed, too.
+RecordingQuestion clock_of(double factor, bool velocity) {
+  RecordingQuestion q{"clock_rate", 0, 0, fmt::format("The clock counts {:.3g} s in one second{}", factor, velocity ? ", and velocities were computed with it" : "")};
+  q.other = fmt::format("--units t={:.4g}", 1.0 / factor) + (velocity ? fmt::format(",dq={:.4g}", factor) : "");
+  q.rows = [factor](Recording& r) {
+    r.time = VectorXd(r.time[0] + (r.time.array() - r.time[0]) / factor);
+    r.dq *= factor;
+  };
+  return numbered(std::move(q), checking::kFactorStep, [=](double distance) {
+    return std::vector<RecordingQuestion>{clock_of(factor * (1.0 + distance), velocity), clock_of(factor / (1.0 + distance), velocity)};
+  });
+}
+
 // The part of a recording, before or after a moment [s], that does not fit the rest.
 enum class Part { kBefore, kAfter };
 RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
@@ -366,6 +392,10 @@ class List {
           if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
         }
       }
+    }
+    for (const double constant : checking::kFilters) out_.push_back(torques_filtered(constant));
+    for (const double factor : {0.5, 2.0}) {
+      if (r_.rows() >= checking::kRowsOfAnArm) out_.push_back(clock_of(factor, r_.dq.size() > 0));
     }
     for (int k = 1; k < checking::kMoments; ++k) {
       const double moment = k * length / checking::kMoments;

@@ -235,12 +235,11 @@ class RobotCheck {
 
   static bool is_of_rows(const RecordingQuestion& q) { return q.rows || q.units == "tau=load"; }
 
-  QuickFit fit_of(const std::vector<RecordingQuestion>& set, VelocitySource velocity = VelocitySource::kRecorded) const {
-    Recording recording = changed(set);
+  QuickFit fit_of(std::vector<RecordingQuestion> set, VelocitySource velocity = VelocitySource::kRecorded) const {
+    const auto others = std::stable_partition(set.begin(), set.end(), is_of_rows);
+    Recording recording = changed({others, set.end()});
     recording.tau = recording_.tau;
-    for (const RecordingQuestion& q : set) {
-      if (is_of_rows(q)) apply_to({q}, given_, recording);
-    }
+    apply_to({set.begin(), others}, given_, recording);
     if (velocity == VelocitySource::kRecorded && !concern_robot(set)) return fitter_.fit(fitter_.moments(recording), torques_of(set));
     PreprocessingOptions how = options_;
     if (velocity == VelocitySource::kDerived) how.velocity = velocity;

@@ -30,7 +30,9 @@ const char* method_name(Method m) {
 
 std::string Identification::report() const {
   std::string out;
-  if (model) out += verdict_of(*this).sentence + "\n";
+  const IdentificationVerdict verdict = verdict_of(*this);
+  if (model) out += verdict.sentence + "\n";
+  for (const std::string& warning : warnings) out += "warning: " + warning + "\n";
   out += fmt::format("{}: {}, {:.0f} rows", robot, method_name(method), rows);
   if (!model) return out + "\nno model: " + reason + "\n";
   out += fmt::format(", {} base parameters, {}\n", base.size(),
@@ -38,14 +40,15 @@ std::string Identification::report() const {
   if (drive_gains) out += drive_gains->report() + "\n";
   if (!reason.empty()) out += "warning: " + reason + "\n";
   out += "errors, % of the torque, per joint\n";
-  const auto line = [&out](const char* name, const VectorXd& v) {
+  const std::string tested = verdict.held_out ? "held out" : "learned from";
+  const auto line = [&out](const std::string& name, const VectorXd& v) {
     if (v.size() > 0) out += fmt::format("  {:<22}{}\n", name, percent(v));
   };
   line("training", train_error.relative);
-  line("held out", test_error.relative);
-  line("held out, repaired", test_repaired.relative);
+  line(tested, test_error.relative);
+  line(tested + ", repaired", test_repaired.relative);
   line("without excluded rows", test_without_excluded.relative);
-  line("held out, moving", test_error.moving_relative);
+  line(tested + ", moving", test_error.moving_relative);
   line(floor_name(*this), noise_floor);
   if (!endogeneity.empty()) {
     out += "\nDurbin-Wu-Hausman: a small p says that noise in the motion biases least squares\n";
@@ -58,7 +61,7 @@ std::string Identification::report() const {
   }
   for (const RecordingError& r : test) {
     if (test.size() > 1)
-      out += fmt::format("  {:<22}{}  {}\n", "held out", percent(r.error.relative), r.source);
+      out += fmt::format("  {:<22}{}  {}\n", r.learned_from.empty() ? "held out" : "learned from", percent(r.error.relative), r.source);
   }
   for (const auto* list : {&train, &test}) {
     for (const RecordingError& r : *list) {

@@ -33,10 +33,14 @@ double share_of_speed(const Identification& id, const Coordinate& joint, size_t 
   return std::isfinite(joint.limits.velocity) ? largest / joint.limits.velocity : kNaN;
 }
 
-IdentifiedState state_of(const IdentifiedJoint& j) {
+bool rests_in_test(const Identification& id, const std::string& joint) {
+  return std::find(id.still_in_test.begin(), id.still_in_test.end(), joint) != id.still_in_test.end();
+}
+
+IdentifiedState state_of(const Identification& id, const IdentifiedJoint& j) {
   if (j.range < identifying::numbers.hardly_moves && j.speed < identifying::numbers.hardly_moves) return IdentifiedState::kHardlyMoved;
   if (!std::isfinite(j.error)) return IdentifiedState::kNoTorque;
-  if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
+  if (!std::isfinite(j.floor) || rests_in_test(id, j.joint)) return IdentifiedState::kCannotTell;
   if (j.error <= identifying::numbers.below_any_sensor || j.error <= identifying::numbers.far_above_floor * j.floor) return IdentifiedState::kAtFloor;
   return IdentifiedState::kUnexplained;
 }
@@ -66,7 +70,7 @@ std::string listed(const std::vector<IdentifiedJoint>& in, const char* one, cons
 }
 
 // @param whose  describes the rows of the errors.
-std::string sentence_of(const IdentificationVerdict& v, const std::string& whose) {
+std::string sentence_of(const Identification& id, const IdentificationVerdict& v, const std::string& whose) {
   const auto error = [](const IdentifiedJoint& j) { return in_percent(j.error); };
   std::string out = listed(joints_in(v, IdentifiedState::kHardlyMoved), "moved", "moved",
                            "over {} of the range: record again with a motion of `veridyn excite`",
@@ -90,7 +94,12 @@ std::string sentence_of(const IdentificationVerdict& v, const std::string& whose
   out += listed(small, "leaves", "leave", "{} " + whose + ", more than the noise, less than most torque sensors resolve", error);
   out += listed(loud, "leaves", "leave",
                 "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` what drifts", error);
-  out += listed(joints_in(v, IdentifiedState::kCannotTell), "leaves", "leave",
+  std::vector<IdentifiedJoint> resting = joints_in(v, IdentifiedState::kCannotTell);
+  const auto first_moving = std::stable_partition(resting.begin(), resting.end(), [&id](const IdentifiedJoint& j) { return rests_in_test(id, j.joint); });
+  const std::vector<IdentifiedJoint> unknown(first_moving, resting.end());
+  resting.erase(first_moving, resting.end());
+  out += listed(resting, "hardly moves", "hardly move", "in the test recordings and leave {} there, dry friction included: a test on a motion judges friction and inertia", error);
+  out += listed(unknown, "leaves", "leave",
                 "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
   out.erase(out.size() - std::min<size_t>(out.size(), 2));
   return out;
@@ -116,10 +125,11 @@ const char* floor_name(const Identification& id) {
 IdentificationVerdict verdict_of(const Identification& id) {
   IdentificationVerdict out;
   if (!id.model) return out;
-  out.held_out = id.test_error.relative.size() > 0;
+  const bool tested = id.test_error.relative.size() > 0;
+  out.held_out = tested && std::all_of(id.test.begin(), id.test.end(), [](const RecordingError& r) { return r.learned_from.empty(); });
   // Late rows are no error of the model.
-  const VectorXd& repaired = (out.held_out ? id.test_repaired : id.train_repaired).relative;
-  const VectorXd& as_recorded = (out.held_out ? id.test_error : id.train_error).relative;
+  const VectorXd& repaired = (tested ? id.test_repaired : id.train_repaired).relative;
+  const VectorXd& as_recorded = (tested ? id.test_error : id.train_error).relative;
   const VectorXd& error = repaired.size() > 0 ? repaired : as_recorded;
   bool is_another = false;  // differs in the printed digits
   const std::vector<Coordinate>& joints = id.model->coordinates();
@@ -131,11 +141,11 @@ IdentificationVerdict verdict_of(const Identification& id) {
     j.floor = k < id.noise_floor.size() ? std::min(id.noise_floor[k], j.error) : kNaN;
     j.range = share_of_range(id, joints[i], i);
     j.speed = share_of_speed(id, joints[i], i);
-    j.state = state_of(j);
+    j.state = state_of(id, j);
     is_another = is_another || in_percent(j.error) != in_percent(as_recorded[k]);
     out.joints.push_back(j);
   }
-  out.sentence = sentence_of(out, std::string(out.held_out ? "held out" : "on the training recordings") + (is_another ? ", late rows repaired" : ""));
+  out.sentence = sentence_of(id, out, std::string(out.held_out ? "held out" : tested ? "on rows that were learned from" : "on the training recordings") + (is_another ? ", late rows repaired" : ""));
   return out;
 }
 

@@ -178,6 +178,9 @@ constexpr long kMostEqual = 200;
 constexpr long kFewEqual = 10, kDistinct = 20;
 // step of a position <= kSteady * the previous step + kSmallStep [rad, m]: the motion continues.
 constexpr double kSteady = 5.0, kSmallStep = 2e-3;
+// A time that, times a power of 1000, goes on within kSoon steps of the times before, after more than kLater steps: the unit
+// of the clock has changed.
+constexpr double kSoon = 10.0, kLater = 100.0;
 constexpr int kFirstRows = 4096;  // initial capacity of a piece; it doubles, as files may end early
 
 void reserve_rows(const CsvLayout& layout, int rows, Recording& recording) {
@@ -210,6 +213,8 @@ class CsvRows : public RowSource {
   bool next_row();
   bool accept_time();
   bool repeats_before() const;
+  bool motion_continues() const;
+  void follow_unit(double t);
   void handle_backward_time(double found);
   [[noreturn]] void refuse_time(double found, const std::string& why) const;
   void count_from_here();
@@ -236,6 +241,7 @@ class CsvRows : public RowSource {
   std::vector<double> before, second_before;  // the last two rows with a time
   long equal = 0, equal_run = 0, timed = 0;  // rows with the time of the previous row and other values; length of their last run; rows with a time
   double moved_on = 0.0;    // [s] added to times after a clock was set back
+  double rescaled = 1.0;    // factor of the times after their unit has changed
   double first_time = kGap;
   double counted_time = 0.0;         // [s] time of the previous row
   std::optional<long> counted_from;  // the first row whose time is counted, as for --rate
@@ -350,20 +356,37 @@ void CsvRows::count_from_here() {
   remarks.push_back(text("from row ", row_number, " on the times do not grow: the rows are counted at ", options.rate, " Hz, as --rate says."));
 }
 
-// Times after a clock was set back are shifted, if the arm's motion continues. A clock that starts anew at
-// another position begins another recording, which is an error.
-void CsvRows::handle_backward_time(double found) {
-  bool moves_on = found > first_time && second_before.size() == row.size() && !options.signals.as_recorded;
+bool CsvRows::motion_continues() const {
+  bool moves_on = second_before.size() == row.size() && !options.signals.as_recorded;
   for (int joint = 0; moves_on && joint < layout.joints; ++joint) {
     const auto at = static_cast<std::size_t>(layout.slot(0, joint));
     moves_on = std::abs(row[at] - before[at]) <= kSteady * std::abs(before[at] - second_before[at]) + kSmallStep;
   }
+  return moves_on;
+}
+
+// Times after a clock was set back are shifted, if the arm's motion continues. A clock that starts anew at
+// another position begins another recording, which is an error.
+void CsvRows::handle_backward_time(double found) {
+  const bool moves_on = found > first_time && motion_continues();
   if (!moves_on && row_number < 2) refuse_time(found, text("time runs back: sort the rows by it where they are out of order; where they are not, ", recordings::kCountRows));
   if (!moves_on)
     refuse_time(found, text("a second recording begins at row ", row_number, ": --rows 0:", row_number, " reads what is before it, --rows ", row_number,
                             ": the rest, and ", recordings::kCountRows));
   remarks.push_back(text("the clock steps back by ", time + step - found, " s at row ", row_number, " while the arm moves on: the times behind it are moved on (--as-recorded refuses them)."));
   moved_on += time + step - found;
+}
+
+void CsvRows::follow_unit(double t) {
+  const auto goes_on = [this](double next) { return next > time && next < time + kSoon * step; };
+  if (!(time - first_time > kLater * step) || goes_on(rescaled * t + moved_on) || !motion_continues()) return;
+  for (const double factor : {1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9}) {
+    if (!goes_on(factor * rescaled * t + moved_on)) continue;
+    rescaled *= factor;
+    remarks.push_back(fmt::format("from row {} on the times are in another unit: {} by {:.0f} they go on where those before end (--as-recorded keeps them).",
+                                  row_number, factor < 1.0 ? "divided" : "multiplied", std::max(factor, 1.0 / factor)));
+    return;
+  }
 }
 
 // Checks that the row's time increases where it has to. False if the row repeats the previous one.
@@ -374,7 +397,8 @@ bool CsvRows::accept_time() {
     t = time = counted_time + static_cast<double>(row_number - *counted_from + 1) / options.rate;
     return true;
   }
-  t += moved_on;
+  follow_unit(t);
+  t = rescaled * t + moved_on;
   if (std::isnan(first_time)) first_time = t;
   if (t == time && (clock == RowClock::kMayBeSetBack || before.size() != row.size() || repeats_before())) {
     ++repeated;

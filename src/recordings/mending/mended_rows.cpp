@@ -72,6 +72,11 @@ class MendedRows : public RowSource {
     long wraps = 0;
     double lowest = -HUGE_VAL, highest = HUGE_VAL;  // usual range of the torque, spikes excluded
     long spikes = 0;
+    double q = kGap, dq = kGap;  // last position and velocity, as in the file
+    double speed = 0.0;          // this velocity, or the one that it has dropped from in one row
+    double drop = HUGE_VAL;      // largest usual change of the velocity, several times
+    int held = 0;                // rows since they changed, in which the torques did
+    long frozen = 0;             // rows that are gaps for that reason
   };
 
   bool read_on();
@@ -80,6 +85,7 @@ class MendedRows : public RowSource {
   bool is_isolated_zero_row(const Recording& piece, int k, const Recording& before, int last) const;
   void spread_equal_times(int from, int to);
   void spread_bursts();
+  void find_frozen(int from);
   void unwrap(int from);
   void start_within_limits();
   void find_dropouts(int until);
@@ -161,6 +167,7 @@ Recording MendedRows::next(int rows) {
       spread_equal_times(timed_, held_.rows());
       sound_ = held_.rows();
     } else if (!choice_.as_recorded) {
+      find_frozen(unwrapped_);
       unwrap(unwrapped_);
       bursts_ ? spread_bursts() : spread_equal_times(timed_, held_.rows());
       find_zeros(ended_ ? held_.rows() : held_.rows() - ahead_);
@@ -204,6 +211,9 @@ void MendedRows::inspect_first_rows() {
     const double range = quantile(all, kUsual) - quantile(all, 1.0 - kUsual);
     joints_[j].jump = std::max({kSmallestJump, kNoise * quantile(std::move(change), kUsual), kOfRange * range});
     if (range > 4.0 * kPi) joints_[j].turn = 360.0;  // undeclared degrees
+    change.clear();
+    for (int k = 1; k < n && held_.dq.cols() > 0; ++k) change.push_back(std::abs(held_.dq(k, static_cast<Eigen::Index>(j)) - held_.dq(k - 1, static_cast<Eigen::Index>(j))));
+    if (!change.empty()) joints_[j].drop = kNoise * quantile(std::move(change), kUsual);
     if (held_.tau.cols() == 0) continue;
     const auto tau = held_.tau.col(static_cast<Eigen::Index>(j));
     const std::vector<double> torques(tau.data(), tau.data() + n);
@@ -212,8 +222,37 @@ void MendedRows::inspect_first_rows() {
     joints_[j].lowest = low - kSpike * (high - low);
     joints_[j].highest = high + kSpike * (high - low);
   }
+  find_frozen(0);
   unwrap(0);
   start_within_limits();
+}
+
+// An encoder that stops answering: position and velocity of a joint stay the same to the last digit, although this velocity,
+// or the one before, from which it drops as no joint brakes, moves it farther than the steps that motion explains, and torques go on.
+void MendedRows::find_frozen(int from) {
+  const MatrixXd& torque = held_.tau.cols() > 0 ? held_.tau : held_.current;
+  for (std::size_t j = 0; j < joints_.size() && held_.dq.cols() > 0 && torque.cols() > 0; ++j) {
+    Joint& joint = joints_[j];
+    auto q = held_.q.col(static_cast<Eigen::Index>(j));
+    const auto dq = held_.dq.col(static_cast<Eigen::Index>(j));
+    for (int k = std::max(from, 1); k < held_.rows(); ++k) {
+      if (q[k] != joint.q || dq[k] != joint.dq) {
+        joint.q = q[k];
+        joint.dq = dq[k];
+        joint.speed = std::abs(dq[k] - dq[k - 1]) > joint.drop ? std::abs(dq[k - 1]) : std::abs(dq[k]);
+        joint.held = 0;
+        continue;
+      }
+      joint.held += torque.row(k) != torque.row(k - 1) ? 1 : 0;
+      if (joint.held < kFewRows || joint.held * step_ * joint.speed < joint.jump) continue;
+      q[k] = kGap;
+      ++joint.frozen;
+      for (int m = k - 1; m >= std::max(given_, 1) && q[m] == joint.q && q[m - 1] == joint.q; --m) {
+        q[m] = kGap;
+        ++joint.frozen;
+      }
+    }
+  }
 }
 
 // Adds whole turns after an angle has wrapped, that is, if the rest of the jump agrees with the previous step
@@ -442,6 +481,11 @@ RecordingFacts MendedRows::facts() const {
     if (joints_[j].wraps == 0) continue;
     add_remark(text("q", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " is wrapped ", count_text(joints_[j].wraps, "time", "times"),
              " and is continued over whole turns (--as-recorded keeps it)."));
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (joints_[j].frozen == 0) continue;
+    add_remark(text("q", j + 1, " and dq", j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "", " stay the same in ", count_text(joints_[j].frozen, "row", "rows"),
+             ", although the joint moves with this velocity or the one before: its encoder does not answer, and the rows are gaps (--as-recorded keeps them)."));
   }
   if (dropouts_ > 0)
     add_remark(text("positions leave the motion and come back ", count_text(dropouts_, "time", "times"), ": ", count_text(dropped_, "row is", "rows are"),

@@ -204,6 +204,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["noise_floor"] = {{"relative_error", json_list(d.baseline.noise_floor)}};
   out["extended"] = error_pair(d.extended);
   out["next_experiment"] = next_json(d, next_command);
+  out["warnings"] = d.baseline.warnings;
   out["remarks"] = d.remarks;
   if (!d.friction_remark.empty()) out["remarks"].insert(out["remarks"].begin(), d.friction_remark);
   out["friction"] = json_each(d.friction, [&](const JointNumber& n) -> Json {

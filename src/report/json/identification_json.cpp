@@ -105,6 +105,7 @@ std::string to_json(const Identification& id) {
   out["status"] = name_of(id.status);
   out["reason"] = id.reason;
   out["verdict"] = identification_verdict_json(verdict_of(id));
+  out["warnings"] = id.warnings;
   out["remarks"] = id.remarks;
   out["rows"] = id.rows;
   out["base_parameters"] = base_json(id.base);

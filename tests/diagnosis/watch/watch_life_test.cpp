@@ -114,7 +114,7 @@ TEST(WatchLife, ACauseIsNamedInTime) {
   const double told = suspected.front().time;
   double answered = 1e300;
   for (const WatchEvent& e : watch.events())
-    if (e.stage == WatchStage::kNamed || e.stage == WatchStage::kOver) answered = std::min(answered, e.time);
+    if (e.stage == WatchStage::kNamed || e.stage == WatchStage::kUnnamed || e.stage == WatchStage::kOver) answered = std::min(answered, e.time);
   EXPECT_LE(answered - told, 0.5 + 2.0 * hasty.step) << events_text(watch.events());
 }
 
@@ -222,10 +222,10 @@ TEST(WatchLife, AnEffectWithoutValuesIsRefused) {
 }
 
 TEST(WatchLife, EveryStageHasAName) {
-  const WatchStage all[] = {WatchStage::kSuspected, WatchStage::kNamed,     WatchStage::kRefined, WatchStage::kOver,
-                            WatchStage::kPresent,   WatchStage::kWithdrawn, WatchStage::kBlind};
-  const char* names[] = {"suspected", "named", "refined", "over", "present", "withdrawn", "blind"};
-  for (int k = 0; k < 7; ++k) EXPECT_STREQ(name_of(all[k]), names[k]);
+  const WatchStage all[] = {WatchStage::kSuspected, WatchStage::kNamed,   WatchStage::kUnnamed,   WatchStage::kRefined,
+                            WatchStage::kOver,      WatchStage::kPresent, WatchStage::kWithdrawn, WatchStage::kBlind};
+  const char* names[] = {"suspected", "named", "unnamed", "refined", "over", "present", "withdrawn", "blind"};
+  for (int k = 0; k < 8; ++k) EXPECT_STREQ(name_of(all[k]), names[k]);
 }
 
 }  // namespace

@@ -104,9 +104,10 @@ function verdictSentence(rows) {
   return parts.length ? parts.join('; ').replace('; Joint', '; joint') + '.' : 'No motion was repeated, so that the noise floor is not known.';
 }
 
-/** What is wrong with the held-out data, as paragraphs. */
+/** What is wrong with the recordings, as paragraphs. */
 function heldOutWarnings(test, train) {
   if (!test) return [paragraph('warning', 'Nothing is held out: the error is that of the recordings that the model was fitted to. Give --test.')];
+  if ((result.warnings || []).length) return result.warnings.map((words) => paragraph('warning', words + '.'));
   const key = (r) => JSON.stringify([r.source, r.relative_error]);
   const same = (test.recordings || []).filter((r) => ((train || {}).recordings || (train || {}).sources || []).some(
       (other) => other === r.source || other.source === r.source || JSON.stringify(other.relative_error) === JSON.stringify(r.relative_error)));

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// A sentence on training recordings that differ from the others, as by another load, or empty. The error of the common
+/// parameters on a recording is compared with that of its own ones, as the error on a half of it is with that of the half's own.
+/// @param id  with factors and errors of the training recordings.
+std::string differing_recordings(const Model& arm, const Identification& id);
+
+}  // namespace veridyn
