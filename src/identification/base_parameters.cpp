@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "math/digits.hpp"
+#include "identification/base_expression.hpp"
 #include "math/singular_values.hpp"
 #include "regressor/arm_columns.hpp"
 #include "regressor/random_states.hpp"
@@ -73,23 +73,6 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
   return chosen;
 }
 
-std::string number(double x) {
-  return digits(x, 6);
-}
-
-std::string expression(const VectorXd& row, const std::vector<std::string>& names) {
-  std::string out;
-  for (Eigen::Index j = 0; j < row.size(); ++j) {
-    if (row[j] == 0.0) continue;
-    const bool minus = row[j] < 0.0;
-    out += out.empty() ? (minus ? "-" : "") : (minus ? " - " : " + ");
-    const std::string size = number(std::abs(row[j]));
-    if (size != "1") out += size + " ";
-    out += names[j];
-  }
-  return out;
-}
-
 void describe(BaseParameters& base, const VectorXd& norms, const std::vector<std::string>& names) {
   const auto standard = static_cast<Eigen::Index>(names.size());
   base.classes.assign(names.size(), Identifiability::kInCombination);
@@ -101,13 +84,7 @@ void describe(BaseParameters& base, const VectorXd& norms, const std::vector<std
     const bool alone = (base.K.row(i).array() != 0.0).count() == 1;
     if (alone) base.classes[own] = Identifiability::kAlone;
     base.names.push_back(names[own]);
-    VectorXd row = base.K.row(i).transpose();
-    // The leading parameter comes first.
-    std::string text = names[own];
-    row[own] = 0.0;
-    const std::string rest = expression(row, names);
-    if (!rest.empty()) text += rest[0] == '-' ? " - " + rest.substr(1) : " + " + rest;
-    base.expressions.push_back(text);
+    base.expressions.push_back(expression_of(base.K.row(i).transpose(), own, names));
   }
 }
 

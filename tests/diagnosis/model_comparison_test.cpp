@@ -7,10 +7,10 @@
 #include "support/near.hpp"
 #include "support/random.hpp"
 #include "diagnosis/comparison/comparison_words.hpp"
-#include "diagnosis/comparison/model_structure.hpp"
-#include "diagnosis/comparison/standard_torque.hpp"
+#include "math/eigen_pose.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/identification/pseudo_inertia.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
@@ -337,22 +337,56 @@ TEST(TheComparison, ComparesCommonParametersIfOneModelHasAnotherEffect) {
   EXPECT_NEAR(quantity(c.joints, "offset", {0}).difference, 0.4, 1e-9);
 }
 
-// A diagnosed load is a frame with a body: it becomes part of the body that carries it.
-TEST(TheComparison, ComparesAnArmWithTheSameArmUnderALoad) {
-  const Model plain = with_statistics(planar(), 0.01, 8, 1);
+// A stop beyond the standard motion has no torque there. That one model lacks it is no difference of its stiffness.
+TEST(TheComparison, DoesNotCompareAnEffectThatOneModelHasAlone) {
   ModelDescription d = planar().description();
-  Frame load;
-  load.name = "load";
-  load.parent = FrameIndex{static_cast<int>(d.frames.size()) - 1};
-  load.A = {rotation_x(0.3), {0.1, 0.05, 0.02}};
-  load.variable.coefficients = VectorXd::Zero(2);
-  Body body;
-  Eigen::Matrix<double, 6, 1> inertia;
-  inertia << 2e-3, 0, 3e-3, 0, 0, 4e-3;
-  body.phi = inertial_parameters(0.8, Eigen::Vector3d(0.02, 0, 0.01), inertia);
-  load.body = body;
-  d.frames.push_back(load);
-  const Model loaded = with_statistics(Model(d), 0.01, 8, 2);
+  EffectTerm stop;
+  stop.effect = "end_stop";
+  stop.axis = d.effects[0].axis;
+  stop.values = {{"stiffness", 3.0}, {"centre", 0.0}, {"reach", 2.2}, {"side", 1.0}};
+  d.effects.push_back(stop);
+  const Model with = with_statistics(Model(d), 0.01, 8, 1), without = with_statistics(planar(), 0.01, 8, 2);
+  const std::vector<std::string> stiffness = {"end_stop(shoulder).stiffness"};
+  EXPECT_EQ(compare(with, without).only_before, stiffness);
+  EXPECT_EQ(compare(with, without).parameters.size(), 10U);
+  EXPECT_EQ(compare(without, with).only_after, stiffness);
+  EXPECT_EQ(compare(with, with).parameters.size(), 11U);
+  EXPECT_NEAR(named(compare(with, with).parameters, stiffness[0]).before, 3.0, 1e-9);
+}
+
+// The planar arm with a load on a frame of its own, and with the same load as a part of the link that carries it.
+struct Loaded {
+  Loaded() {
+    frame.name = "load";
+    frame.parent = FrameIndex{static_cast<int>(of_its_own.frames.size()) - 1};
+    frame.A = {rotation_x(0.3), {0.1, 0.05, 0.02}};
+    frame.variable.coefficients = VectorXd::Zero(2);
+    frame.body = Body{};
+    Eigen::Matrix<double, 6, 1> inertia;
+    inertia << 2e-3, 0, 3e-3, 0, 0, 4e-3;
+    frame.body->phi = inertial_parameters(0.8, Eigen::Vector3d(0.02, 0, 0.01), inertia);
+    of_its_own.frames.push_back(frame);
+    const Eigen::Matrix4d T = eigen(frame.A).matrix();
+    *in_the_link.frames.back().body->phi += inertial_parameters(Eigen::Matrix4d(T * pseudo_inertia(*frame.body->phi) * T.transpose()));
+  }
+  Frame frame;
+  ModelDescription of_its_own = planar().description(), in_the_link = planar().description();
+};
+
+void expect_equal_differences(const ModelComparison& a, const ModelComparison& b) {
+  EXPECT_EQ(a.parameters.size(), 10U);
+  EXPECT_TRUE(a.only_before.empty() && a.only_after.empty());
+  for (const ModelDifference& p : b.parameters) {
+    EXPECT_NEAR(named(a.parameters, p.name).difference, p.difference, 1e-9) << p.name;
+    EXPECT_EQ(named(a.parameters, p.name).expression, p.expression);
+  }
+  for (std::size_t i = 0; i < b.torque.size(); ++i) EXPECT_NEAR(a.torque[i].difference, b.torque[i].difference, 1e-9) << i;
+}
+
+// A diagnosed load is a frame with a body: its parameters count with those of the link that carries it.
+TEST(TheComparison, ComparesAnArmWithTheSameArmUnderALoad) {
+  const Loaded load;
+  const Model plain = with_statistics(planar(), 0.01, 8, 1), loaded = with_statistics(Model(load.of_its_own), 0.01, 8, 2);
   for (const bool turned : {false, true}) {
     const ModelComparison c = turned ? compare(loaded, plain) : compare(plain, loaded);
     ASSERT_EQ(c.structure.size(), 1U);
@@ -360,23 +394,25 @@ TEST(TheComparison, ComparesAnArmWithTheSameArmUnderALoad) {
     EXPECT_NE(c.structure[0].sentence.find(turned ? "only the model before has the body load (0.8 kg)" : "only the model after has the body load (0.8 kg)"),
               std::string::npos)
         << c.structure[0].sentence;
-    EXPECT_EQ(c.parameters.size(), 10U);
-    EXPECT_TRUE(c.only_before.empty() && c.only_after.empty());
     EXPECT_EQ(c.before.clusters, 8);  // the statistics of both count
     EXPECT_EQ(c.after.clusters, 8) << c.after.note;
     EXPECT_EQ(c.verdict, ComparisonVerdict::kDiffer);
-    for (const ModelDifference& p : c.parameters) EXPECT_TRUE(p.effect.empty() || std::abs(p.difference) < 1e-12) << p.name;
+    const Model link(load.in_the_link);
+    expect_equal_differences(c, turned ? compare(link, plain) : compare(plain, link));
   }
-  // The weight that the elbow carries grows by the load's.
-  const ModelComparison c = compare(plain, loaded);
-  const auto phi = *plain.inertial_values();
-  const Model folded = without_frames_of_its_own(loaded, plain);
-  EXPECT_EQ(folded.frames().size(), plain.frames().size());
-  EXPECT_NEAR((*folded.inertial_values())[10] - phi[10], 0.8, 1e-12);
-  std::srand(3);
-  for (int trial = 0; trial < 5; ++trial) {
-    const VectorXd q = VectorXd::Random(2), dq = VectorXd::Random(2), ddq = VectorXd::Random(2);
-    EXPECT_TRUE(near(inverse_dynamics(folded, q, dq, ddq), inverse_dynamics(loaded, q, dq, ddq), 1e-12));
+}
+
+// A known load, such as a tool that was weighed, counts in the values of the link that carries it.
+TEST(TheComparison, CountsAKnownLoadWithTheLinkThatCarriesIt) {
+  Loaded load;
+  const Model plain = with_statistics(planar(), 0.01, 8, 1), link(load.in_the_link);
+  ModelDescription known = plain.description();
+  load.frame.body->fixed = true;
+  known.frames.push_back(load.frame);
+  for (const bool turned : {false, true}) {
+    const ModelComparison c = turned ? compare(Model(known), plain) : compare(plain, Model(known));
+    EXPECT_EQ((turned ? c.before : c.after).clusters, 8);
+    expect_equal_differences(c, turned ? compare(link, plain) : compare(plain, link));
   }
 }
 
@@ -442,11 +478,11 @@ TEST(TheComparison, RefusesTwoRobotsAndModelsWithoutValues) {
             std::string::npos);
   ModelDescription renamed = planar().description();
   renamed.coordinates[1].name = "wrist";
-  EXPECT_NE(error(planar(), Model(renamed)).find("coordinate 2 is 'elbow' and 'wrist'"),
+  EXPECT_NE(error(planar(), Model(renamed)).find("coordinate 2 is 'elbow' before and 'wrist' after"),
             std::string::npos);
   ModelDescription bare = planar().description();
   bare.frames[1].body.reset();
-  EXPECT_NE(error(planar(), Model(bare)).find("frame 'fore' has a body in one of them only"),
+  EXPECT_NE(error(planar(), Model(bare)).find("frame 'fore' is turning on upper with a body before and turning on upper without a body after"),
             std::string::npos);
   EXPECT_NE(error(read_model("psm-3dof"), read_model("psm-3dof")).find("without values"),
             std::string::npos);
@@ -458,9 +494,7 @@ TEST(TheComparison, MeasuresWeightAndInertiaOverTheStandardMotion) {
   ModelDescription leaning = planar().description();
   leaning.gravity = {-6.0, -7.0, 0.0};
   const Model arm(std::move(leaning));
-  const StandardTorque standard(arm);
-  VectorXd values(standard.parameters().size());
-  for (Eigen::Index p = 0; p < values.size(); ++p) values[p] = standard.parameters()[p].value;
+  const ModelComparison itself = compare(arm, arm);
   RigidBodyDynamics bodies(arm, *arm.inertial_values());
   const MotionSamples motion = standard_motion(arm);
   const VectorXd zero = VectorXd::Zero(arm.joints());
@@ -478,9 +512,9 @@ TEST(TheComparison, MeasuresWeightAndInertiaOverTheStandardMotion) {
       along += 2.0 * g[i] * way[k] / way.cwiseAbs().maxCoeff();
       inertia += by.by_ddq(i, i);
     }
-    EXPECT_NEAR(standard.quantity(JointQuantity::kWeight, i).dot(values), weight / rows, 1e-9) << i;
-    EXPECT_NEAR(standard.quantity(JointQuantity::kWeightSlope, i).dot(values), along / rows, 1e-9) << i;
-    EXPECT_NEAR(standard.quantity(JointQuantity::kInertia, i).dot(values), inertia / rows, 1e-9) << i;
+    EXPECT_NEAR(quantity(itself.joints, "weight", {i}).before, weight / rows, 1e-9) << i;
+    EXPECT_NEAR(quantity(itself.joints, "weight_slope", {i}).before, along / rows, 1e-9) << i;
+    EXPECT_NEAR(quantity(itself.joints, "inertia", {i}).before, inertia / rows, 1e-9) << i;
     EXPECT_GT(std::abs(along / rows), 1.0) << i;
   }
 }
@@ -496,7 +530,7 @@ TEST(TheComparison, DescribesNegativeValuesAndPrismaticJoints) {
   d.deviation = 0.06;
   d.low = 8.6;
   d.high = 8.85;
-  const std::string words = joint_sentence(read_model("psm-3dof"), JointQuantity::kWeightSlope, d);
+  const std::string words = joint_sentence(read_model("psm-3dof"), kJointQuantities[3], d);
   for (const char* part : {"follows the position of joint 3 (insertion) went from -8.75", "by +8.7",
                            " N, 95 %: +8.6", " to +8.85"})
     EXPECT_NE(words.find(part), std::string::npos) << words;

@@ -151,7 +151,7 @@ GENERATED = {
                        "identification/drive_gains/gain_problem.cpp": 3, "identification/results/verdict.cpp": 3, "identification/portable_model.cpp": 4},
     "diagnosis": {"diagnosis/preparation/errors_in_variables.cpp": 3,
                   "diagnosis/preparation/torque_signs.cpp": 3, "diagnosis/rest/position_curves.cpp": 3, "diagnosis/load_fit.cpp": 3,
-                  "diagnosis/comparison/comparison_statistics.cpp": 1, "diagnosis/comparison/matched_base.cpp": 2,
+                  "diagnosis/comparison/model_comparison.cpp": 1, "diagnosis/comparison/estimates.cpp": 2,
                   "diagnosis/comparison/standard_torque.cpp": 2},
     "control": {"control/adaptive_friction.cpp": 3, "control/computed_torque.cpp": 2, "control/cooperative/force_law.cpp": 2, "control/momentum_observer.cpp": 3, "control/velocity_observer.cpp": 2,
                 "control/quintic_interpolator.cpp": 3, "control/impedance.cpp": 2, "control/model_error_observer.cpp": 3,

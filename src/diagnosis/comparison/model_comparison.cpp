@@ -3,76 +3,50 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/comparison/comparison_statistics.hpp"
+#include "diagnosis/comparison/comparison_numbers.hpp"
 #include "diagnosis/comparison/comparison_words.hpp"
-#include "diagnosis/comparison/matched_base.hpp"
+#include "diagnosis/comparison/estimates.hpp"
 #include "diagnosis/comparison/model_structure.hpp"
 #include "diagnosis/comparison/standard_torque.hpp"
 #include "math/numbers.hpp"
-#include "veridyn/regressor/standard_parameters.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
 // One of the two models with derived quantities.
 struct Side {
-  explicit Side(const Model& model) : arm(model), numbers(base_numbers(model)), torque(model) {}
+  Side(const Model& model, const Model& other) : arm(model), to_other(model, other), known(model, to_other.own), torque(model) {}
+
+  // Torques of a joint over the standard motion: of all parameters, of the bodies and of the effects (rows x 3).
+  MatrixXd torques(int joint) const {
+    MatrixXd values(torque.parameters.size(), 3);
+    for (size_t j = 0; j < torque.parameters.size(); ++j) {
+      const StandardParameter& p = torque.parameters[j];
+      values.row(static_cast<Eigen::Index>(j)) << p.value, p.effect ? 0.0 : p.value, p.effect ? p.value : 0.0;
+    }
+    return torque.torque(joint, values);
+  }
+
+  // Torques of a joint that belong to the scatter of the base parameters (rows x clusters): the column of a base parameter
+  // is that of its leading parameter.
+  MatrixXd scattered_torques(int joint) const {
+    MatrixXd values = MatrixXd::Zero(torque.parameters.size(), known.scatter.cols());
+    values(known.leading, Eigen::all) = known.scatter;
+    return torque.torque(joint, values);
+  }
 
   const Model& arm;
-  BaseNumbers numbers;
+  Correspondence to_other;
+  Estimates known;
   StandardTorque torque;
-
-  // Parameters of the model that `keep` selects, the others zero.
-  template <typename Keep>
-  VectorXd values(Keep keep) const {
-    VectorXd out(torque.parameters().size());
-    for (size_t j = 0; j < torque.parameters().size(); ++j) {
-      const StandardParameter& p = torque.parameters()[j];
-      out[static_cast<Eigen::Index>(j)] = keep(p) ? p.value : 0.0;
-    }
-    return out;
-  }
-
-  // Standard parameters that correspond to these base parameters: each leading parameter has the value of its
-  // base parameter, since their columns are equal; all others are zero.
-  VectorXd standard_parameters_of(const VectorRef& base) const {
-    VectorXd out = VectorXd::Zero(torque.parameters().size());
-    for (size_t r = 0; r < numbers.leading.size(); ++r)
-      out[numbers.leading[r]] = base[static_cast<Eigen::Index>(r)];
-    return out;
-  }
-
-  // Unconstrained estimates; fixed parameters keep their values.
-  VectorXd free_values() const {
-    VectorXd out = standard_parameters_of(numbers.free);
-    for (size_t j = 0; j < torque.parameters().size(); ++j) {
-      if (numbers.clusters > 0 && torque.parameters()[j].fixed)
-        out[static_cast<Eigen::Index>(j)] = torque.parameters()[j].value;
-    }
-    return out;
-  }
-
-  // Torque over the standard motion for one column of the scatter.
-  MatrixXd chance(Eigen::Index column) const {
-    return torque.torque(standard_parameters_of(numbers.scatter.col(column)));
-  }
 };
-
-// (n) rms torque due to the scatter of both models.
-VectorXd chance_difference(const Side& a, const Side& b, bool paired) {
-  VectorXd sum = VectorXd::Zero(a.arm.joints());
-  for (Eigen::Index c = 0; c < a.numbers.scatter.cols(); ++c)
-    sum += rms(paired ? MatrixXd(b.chance(c) - a.chance(c)) : a.chance(c)).cwiseAbs2();
-  for (Eigen::Index c = 0; c < b.numbers.scatter.cols() && !paired; ++c)
-    sum += rms(b.chance(c)).cwiseAbs2();
-  return sum.cwiseSqrt();
-}
 
 ComparedModel facts_of(const Side& side) {
   ComparedModel out;
   out.name = side.arm.name();
-  out.clusters = side.numbers.clusters;
-  out.note = side.numbers.note;
+  out.clusters = side.known.clusters;
+  out.note = side.known.note;
   if (const auto& identified = side.arm.description().identified) {
     out.recordings = identified->recordings;
     out.training_error = identified->error;
@@ -80,138 +54,182 @@ ComparedModel facts_of(const Side& side) {
   return out;
 }
 
-std::vector<TorqueDifference> torque_differences(const Side& a, const Side& b, bool paired) {
-  const auto all = [](const StandardParameter&) { return true; };
-  const auto bodies = [](const StandardParameter& p) { return !p.effect; };
-  const auto effects = [](const StandardParameter& p) { return p.effect.has_value(); };
-  const MatrixXd tau_a = a.torque.torque(a.values(all));
-  const MatrixXd tau_b = b.torque.torque(b.values(all));
-  const VectorXd rms_a = rms(tau_a);
-  const VectorXd rms_b = rms(tau_b);
-  const VectorXd difference = rms(tau_b - tau_a);
-  const auto part = [&](const auto& keep) {
-    return rms(b.torque.torque(b.values(keep)) - a.torque.torque(a.values(keep)));
-  };
-  const VectorXd of_bodies = part(bodies);
-  const VectorXd of_effects = part(effects);
-  const VectorXd chance = chance_difference(a, b, paired);
-  const bool known = a.numbers.clusters > 0 || b.numbers.clusters > 0;
-  std::vector<TorqueDifference> out;
-  for (int i = 0; i < a.arm.joints(); ++i) {
-    const Coordinate& c = a.arm.coordinates()[i];
-    out.push_back({c.name, effort_unit(c), rms_a[i], rms_b[i], difference[i],
-                   rms_a[i] > 0.0 ? difference[i] / rms_a[i] : kNaN, known ? chance[i] : kNaN,
-                   of_bodies[i], of_effects[i]});
-  }
+// Contributions of clusters, independent of those of another group: each model is a group; both are one where their motion
+// is the same, since errors of the model at one phase occur in both.
+template <typename Contributions>
+struct Group {
+  Contributions scatter;
+  int clusters;
+};
+
+template <typename Contributions>
+std::vector<Group<Contributions>> groups(const Side& a, const Contributions& of_a, const Side& b, const Contributions& of_b) {
+  if (same_motion(a.known, b.known)) return {{of_b - of_a, a.known.clusters}};
+  std::vector<Group<Contributions>> out;
+  if (a.known.clusters > 0) out.push_back({of_a, a.known.clusters});
+  if (b.known.clusters > 0) out.push_back({of_b, b.known.clusters});
   return out;
 }
 
-// The joint with the largest difference relative to its torque.
-int main_joint(const VectorXd& torque, const std::vector<TorqueDifference>& joints) {
-  int best = 0;
-  double most = -1.0;
-  for (size_t i = 0; i < joints.size(); ++i) {
-    const double share = torque[static_cast<Eigen::Index>(i)] / std::max(joints[i].before, 1e-300);
-    if (share <= most) continue;
-    most = share;
-    best = static_cast<int>(i);
-  }
-  return best;
+// Degrees of freedom of a sum of squares that a few clusters may dominate: Satterthwaite's (sum v)^2 / sum
+// v^2 for normal contributions of variances v_c, with d_c^4 in place of 3 v_c^2, corrected for the value that
+// equal clusters give by chance.
+double degrees_of_freedom(const VectorXd& scatter, int clusters) {
+  const double most = std::max(1, clusters - 1);
+  if (scatter.size() != clusters) return most;  // no longer one column per cluster
+  const double fourth = scatter.array().pow(4).sum();
+  if (!(fourth > 0.0)) return most;
+  const double spread = comparing::kKurtosis * std::pow(scatter.squaredNorm(), 2) / fourth - 2.0;
+  return std::clamp(spread, 0.5 * most, most);
 }
 
-ModelDifference parameter_difference(const MatchedParameter& m, const Side& a,
-                                     const ClusterStatistics& how,
-                                     const std::vector<TorqueDifference>& joints) {
-  const auto row = static_cast<size_t>(m.row);
-  const int standard = a.numbers.leading[row];
-  const StandardParameter& p = a.torque.parameters()[standard];
+// The values of one quantity and the statistics of their difference: Welch's test over groups of clusters.
+ModelDifference difference_of(const Side& a, const Estimate& before, const Side& b, const Estimate& after) {
   ModelDifference d;
-  d.quantity = "parameter";
-  d.name = a.numbers.names[row];
-  d.expression = a.numbers.expressions[row];
-  d.unit = a.numbers.units[row];
-  d.before = m.before;
-  d.after = m.after;
-  add_statistics(m.scatter_before, m.scatter_after, how, d);
-  d.torque = std::abs(d.difference) * a.torque.rms_of(standard);
-  d.joint = {main_joint(d.torque, joints)};
-  if (p.effect) {
-    const EffectTerm& term = a.arm.effects()[*p.effect];
-    d.effect = term.effect;
-    d.joint = {main_coordinate(term.axis)};
+  d.before = before.value;
+  d.after = after.value;
+  d.difference = d.after - d.before;
+  d.deviation = kNaN;
+  double variance = 0.0, parts = 0.0;
+  for (const auto& [scatter, clusters] : groups(a, before.scatter, b, after.scatter)) {
+    const double freedom = degrees_of_freedom(scatter, clusters), v = scatter.squaredNorm();
+    variance += v;
+    parts += v * v / freedom;
+    d.degrees_of_freedom = std::max(d.degrees_of_freedom, freedom);
   }
-  d.coordinate = a.arm.coordinates()[d.joint.value].name;
-  d.sentence = parameter_sentence(a.arm, a.torque, standard, d);
+  if (d.degrees_of_freedom == 0.0) return d;  // no statistics
+  if (parts > 0.0) d.degrees_of_freedom = variance * variance / parts;
+  const double rounding = comparing::kSameToRounding * std::max(std::abs(d.before), std::abs(d.after));
+  d.deviation = std::sqrt(variance + rounding * rounding);
+  if (!(d.deviation > 0.0)) return d;
+  d.t = d.difference / d.deviation;
+  d.p_value = student_t_two_sided(d.t, d.degrees_of_freedom);
+  const double reach = d.deviation * student_t_quantile(comparing::kOutside, d.degrees_of_freedom);
+  d.low = d.difference - reach;
+  d.high = d.difference + reach;
   return d;
 }
 
-const char* name_of(JointQuantity which) {
-  static constexpr const char* kNames[] = {"friction", "offset", "weight", "weight_slope", "inertia"};
-  return kNames[static_cast<int>(which)];
-}
-
-std::string unit_of(JointQuantity which, const Coordinate& coordinate) {
-  if (which != JointQuantity::kInertia) return effort_unit(coordinate);
-  return coordinate.prismatic ? "kg" : "kg m^2";
-}
-
-// The base parameter to which a quantity is proportional; empty if there are several.
-std::string proportional_parameter(const Side& side, const VectorXd& u) {
-  std::string found;
-  for (size_t r = 0; r < side.numbers.leading.size(); ++r) {
-    if (u[side.numbers.leading[r]] == 0.0) continue;
-    if (!found.empty()) return "";
-    found = side.numbers.expressions[r];
-  }
-  return found;
-}
-
-std::vector<ModelDifference> joint_differences(const Side& a, const Side& b,
-                                               const ClusterStatistics& how) {
-  const VectorXd free_a = a.free_values();
-  const VectorXd free_b = b.free_values();
-  std::vector<ModelDifference> out;
+std::vector<TorqueDifference> torque_differences(const Side& a, const Side& b) {
+  std::vector<TorqueDifference> out;
   for (int i = 0; i < a.arm.joints(); ++i) {
-    for (const JointQuantity which : kJointQuantities) {
-      const VectorXd u_a = a.torque.quantity(which, i);
-      const VectorXd u_b = b.torque.quantity(which, i);
-      const bool none_a = u_a.isZero(0.0), none_b = u_b.isZero(0.0);
-      // A model without terms of friction does not say that there is none; `structure` names it.
-      if (which == JointQuantity::kFriction ? none_a || none_b : none_a && none_b) continue;
-      const Coordinate& coordinate = a.arm.coordinates()[i];
-      ModelDifference d;
-      d.quantity = name_of(which);
-      d.unit = unit_of(which, coordinate);
-      d.joint = {i};
-      d.coordinate = coordinate.name;
-      d.before = u_a.dot(free_a);
-      d.after = u_b.dot(free_b);
-      const auto scatter = [](const Side& side, const VectorXd& u) {
-        VectorXd leading(side.numbers.leading.size());
-        for (size_t r = 0; r < side.numbers.leading.size(); ++r)
-          leading[static_cast<Eigen::Index>(r)] = u[side.numbers.leading[r]];
-        return VectorXd(side.numbers.scatter.transpose() * leading);
-      };
-      add_statistics(scatter(a, u_a), scatter(b, u_b), how, d);
-      d.same_as = proportional_parameter(a, u_a);
-      d.sentence = joint_sentence(a.arm, which, d);
-      out.push_back(std::move(d));
-    }
+    const MatrixXd before = a.torques(i), after = b.torques(i);
+    const VectorXd parts = rms(after - before);
+    const double size = rms(before)[0];
+    const auto chance = groups(a, a.scattered_torques(i), b, b.scattered_torques(i));
+    double variance = chance.empty() ? kNaN : 0.0;
+    for (const auto& group : chance) variance += group.scatter.squaredNorm() / static_cast<double>(group.scatter.rows());
+    const Coordinate& c = a.arm.coordinates()[i];
+    out.push_back({c.name, effort_unit(c), size, rms(after)[0], parts[0], size > 0.0 ? parts[0] / size : kNaN, std::sqrt(variance), parts[1], parts[2]});
   }
   return out;
 }
 
-double largest_share(const ModelDifference& d, const std::vector<TorqueDifference>& joints) {
-  double most = 0.0;
-  for (size_t i = 0; i < joints.size(); ++i)
-    most =
-        std::max(most, d.torque[static_cast<Eigen::Index>(i)] / std::max(joints[i].before, 1e-300));
-  return most;
+// The joint of which a torque is the largest share, and that share.
+std::pair<int, double> largest_share(const VectorRef& torque, const std::vector<TorqueDifference>& joints) {
+  std::pair<int, double> out(0, -1.0);
+  for (size_t i = 0; i < joints.size(); ++i) {
+    const double share = torque[static_cast<Eigen::Index>(i)] / std::max(joints[i].before, 1e-300);
+    if (share > out.second) out = {static_cast<int>(i), share};
+  }
+  return out;
 }
 
-bool contains_expression(const std::vector<ModelDifference>& parameters, const std::string& expression) {
-  return std::any_of(parameters.begin(), parameters.end(),
-                     [&](const ModelDifference& d) { return d.expression == expression; });
+// Every base parameter of `before` that the other model determines as well; expressions of the others.
+void compare_parameters(const Side& a, const Side& b, ModelComparison& out) {
+  // Sizes of the parameters' columns; a column that the standard motion does not excite counts by itself.
+  const auto sizes = [](const Side& side) {
+    const VectorXd size = side.torque.rms.colwise().norm();
+    return VectorXd((size.array() > 0.0).select(size, 1.0));
+  };
+  const VectorXd sizes_a = sizes(a), sizes_b = sizes(b);
+  const auto determined = [](const Side& side, const VectorXd& w, const Side& other, const VectorXd& other_sizes) {
+    return side.to_other.foreign.cwiseProduct(w).isZero(0.0) && other.known.determine(side.to_other.M * w, other_sizes);
+  };
+  for (int r = 0; r < a.known.identified; ++r) {
+    const VectorXd w = a.known.K.row(r).transpose();
+    if (!determined(a, w, b, sizes_b)) {
+      out.only_before.push_back(a.known.expressions[r]);
+      continue;
+    }
+    const VectorXd w_b = a.to_other.M * w, w_a = b.to_other.M * w_b;  // with the known bodies that one model has alone
+    ModelDifference d = difference_of(a, a.known.of(w_a), b, b.known.of(w_b));
+    const int leading = a.known.leading[r];
+    const StandardParameter& p = a.torque.parameters[leading];
+    d.quantity = "parameter";
+    d.name = p.name;
+    d.expression = a.known.expressions[r];
+    d.unit = p.unit;
+    d.torque = std::abs(d.difference) * a.torque.rms.col(leading);
+    d.joint = {largest_share(a.torque.rms.col(leading), out.torque).first};
+    if (p.effect) {
+      const EffectTerm& term = a.arm.effects()[*p.effect];
+      d.effect = term.effect;
+      d.joint = {main_coordinate(term.axis)};
+    }
+    d.coordinate = a.arm.coordinates()[d.joint.value].name;
+    d.sentence = parameter_sentence(a.arm, a.torque, leading, d);
+    out.parameters.push_back(std::move(d));
+  }
+  for (int r = 0; r < b.known.identified; ++r) {
+    if (!determined(b, b.known.K.row(r).transpose(), a, sizes_a)) out.only_after.push_back(b.known.expressions[r]);
+  }
+}
+
+// The base parameter to which a quantity is proportional; empty if there are several, or if it is not compared.
+std::string proportional_parameter(const Estimates& known, const VectorXd& u, const std::vector<ModelDifference>& compared) {
+  std::string found;
+  for (int r = 0; r < known.identified; ++r) {
+    if (u[known.leading[r]] == 0.0) continue;
+    if (!found.empty()) return "";
+    found = known.expressions[r];
+  }
+  return std::any_of(compared.begin(), compared.end(), [&](const ModelDifference& d) { return d.expression == found; }) ? found : "";
+}
+
+void compare_joints(const Side& a, const Side& b, ModelComparison& out) {
+  for (int i = 0; i < a.arm.joints(); ++i) {
+    for (const JointQuantity& which : kJointQuantities) {
+      const VectorXd u_a = a.torque.quantities[i].col(&which - kJointQuantities);
+      const VectorXd u_b = b.torque.quantities[i].col(&which - kJointQuantities);
+      const bool none_a = u_a.isZero(0.0), none_b = u_b.isZero(0.0), friction = &which == kJointQuantities;
+      // A model without terms of friction does not say that there is none; `structure` names it.
+      if (friction ? none_a || none_b : none_a && none_b) continue;
+      const Coordinate& c = a.arm.coordinates()[i];
+      ModelDifference d = difference_of(a, a.known.of(u_a), b, b.known.of(u_b));
+      d.quantity = which.name;
+      d.unit = d.quantity != "inertia" ? effort_unit(c) : c.prismatic ? "kg" : "kg m^2";
+      d.joint = {i};
+      d.coordinate = c.name;
+      d.same_as = proportional_parameter(a.known, u_a, out.parameters);
+      d.sentence = joint_sentence(a.arm, which, d);
+      out.joints.push_back(std::move(d));
+    }
+  }
+}
+
+// Holm's correction over all compared numbers: the k-th smallest p-value of m is multiplied by m - k + 1, and never below
+// the previous one. A joint's number with same_as is corrected together with its parameter.
+void correct_for_number(ModelComparison& c) {
+  std::vector<ModelDifference*> all;
+  for (ModelDifference& d : c.joints) {
+    if (d.same_as.empty()) all.push_back(&d);
+  }
+  for (ModelDifference& d : c.parameters) all.push_back(&d);
+  std::sort(all.begin(), all.end(), [](const ModelDifference* x, const ModelDifference* y) { return x->p_value < y->p_value; });
+  double least = 0.0;
+  for (size_t k = 0; k < all.size(); ++k) {
+    least = std::max(least, std::min(1.0, all[k]->p_value * static_cast<double>(all.size() - k)));
+    all[k]->p_corrected = least;
+    all[k]->significant = least < c.significance;
+  }
+  for (ModelDifference& joint : c.joints) {
+    for (const ModelDifference& d : c.parameters) {
+      if (joint.same_as.empty() || joint.same_as != d.expression) continue;
+      joint.p_corrected = d.p_corrected;
+      joint.significant = d.significant;
+    }
+  }
 }
 
 }  // namespace
@@ -228,47 +246,30 @@ int ModelComparison::significant() const {
                           std::count_if(parameters.begin(), parameters.end(), yes));
 }
 
-ModelComparison compare(const Model& first, const Model& second, const ComparisonOptions& options) {
-  require_one_arm(first, second);
-  const Model before = without_frames_of_its_own(first, second);
-  const Model after = without_frames_of_its_own(second, first);
-  const Side a(before);
-  const Side b(after);
+ModelComparison compare(const Model& before, const Model& after, const ComparisonOptions& options) {
   ModelComparison out;
+  out.structure = structure_differences(before, after);
+  const Side a(before, after), b(after, before);
   out.robot = before.name();
   out.significance = options.significance;
   out.before = facts_of(a);
   out.after = facts_of(b);
-  out.structure = structure_differences(first, second);
-  out.same_motion = same_motion(a.numbers, b.numbers);
-  out.torque = torque_differences(a, b, out.same_motion);
-  MatchedBase matched = matched_base(before, a.numbers, after, b.numbers, a.torque.column_sizes(),
-                                     b.torque.column_sizes());
-  out.only_before = std::move(matched.only_before);
-  out.only_after = std::move(matched.only_after);
-  const ClusterStatistics how{a.numbers.clusters, b.numbers.clusters, out.same_motion};
-  for (const MatchedParameter& m : matched.parameters)
-    out.parameters.push_back(parameter_difference(m, a, how, out.torque));
-  out.joints = joint_differences(a, b, how);
-  for (ModelDifference& d : out.joints) {
-    if (!contains_expression(out.parameters, d.same_as)) d.same_as.clear();
-  }
+  out.same_motion = same_motion(a.known, b.known);
+  out.torque = torque_differences(a, b);
+  compare_parameters(a, b, out);
+  compare_joints(a, b, out);
   correct_for_number(out);
-  const auto by_p = [](const ModelDifference& x, const ModelDifference& y) {
-    return x.p_value < y.p_value;
-  };
+  const auto by_p = [](const ModelDifference& x, const ModelDifference& y) { return x.p_value < y.p_value; };
   std::sort(out.joints.begin(), out.joints.end(), by_p);
-  std::sort(out.parameters.begin(), out.parameters.end(),
-            [&](const ModelDifference& x, const ModelDifference& y) {
-              if (x.significant != y.significant) return x.significant;
-              if (!x.significant) return by_p(x, y);
-              return largest_share(x, out.torque) > largest_share(y, out.torque);
-            });
-  if (out.before.clusters == 0 && out.after.clusters == 0) {
+  std::sort(out.parameters.begin(), out.parameters.end(), [&](const ModelDifference& x, const ModelDifference& y) {
+    if (x.significant != y.significant) return x.significant;
+    if (!x.significant) return by_p(x, y);
+    return largest_share(x.torque, out.torque).second > largest_share(y.torque, out.torque).second;
+  });
+  if (out.before.clusters == 0 && out.after.clusters == 0)
     out.verdict = ComparisonVerdict::kCannotTell;
-  } else {
+  else
     out.verdict = out.significant() > 0 ? ComparisonVerdict::kDiffer : ComparisonVerdict::kSame;
-  }
   return out;
 }
 

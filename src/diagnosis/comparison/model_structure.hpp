@@ -8,25 +8,26 @@
 
 namespace veridyn {
 
-/// @throws InvalidInput  coordinates, frames or bodies differ: the models describe two different robots.
-void require_one_arm(const Model& before, const Model& after);
-
-/// The arm without the frames that the other model does not have; these are fixed to others, as that of a
-/// diagnosed load is. Their bodies are added to the bodies that carry them, which changes no torque and keeps
-/// the statistics of an identification.
-/// @throws InvalidInput  such a body has no values, or is fixed to a frame without a body.
-Model without_frames_of_its_own(const Model& arm, const Model& other);
-
-/// Differences of effects, shapes, constants, gravity, drive gains and known values.
+/// Differences of effects, shapes, constants, gravity, drive gains and known values, and the bodies on fixed frames
+/// that one model has alone, as that of a diagnosed load is.
+/// @throws InvalidInput  coordinates, moving frames or bodies differ: the models describe two different robots.
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after);
 
-/// Names of all standard parameters of both models, with equal names where parameters correspond. Names do
-/// not contain the values of shape constants: effects of one kind on one axis are numbered by the order of
-/// their constants. Bodies with different frames do not correspond, nor do effects with a constant that
-/// differs by more than half.
-struct MatchingNames {
-  std::vector<std::string> before, after;
+/// Linear combinations w' phi of one model's standard parameters as combinations of another's,
+///
+///   w_to = M w_from
+///
+/// Effects of one kind on one axis correspond in the order of their shape constants. A body that only `to` has is
+/// fixed to one that both have: phi_to and X phi add to that body's parameters, X by the pose of the one in the other, so
+/// that its entries are X' times those of the body that carries it. Entries of a body that only `from` has follow in the
+/// same way from others and are left out.
+struct Correspondence {
+  Correspondence(const Model& from, const Model& to);
+
+  MatrixXd M;        ///< (standard of to x standard of from)
+  VectorXd own;      ///< (standard of from) 1: of a body that only `from` has
+  /// (standard of from) 1: without counterpart, since frames or effects differ, or a constant by more than half.
+  VectorXd foreign;
 };
-MatchingNames matching_names(const Model& before, const Model& after);
 
 }  // namespace veridyn

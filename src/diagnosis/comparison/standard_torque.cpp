@@ -33,117 +33,67 @@ Model without_facts(const Model& arm) {
   return Model(std::move(d));
 }
 
-VectorXd column(const JointRows& rows, int parameter) {
-  const auto at = std::find(rows.parameters.begin(), rows.parameters.end(), parameter);
-  if (at == rows.parameters.end()) return VectorXd::Zero(rows.A.rows());
-  return rows.A.col(at - rows.parameters.begin());
+// Weights of the motion's rows (rows x 4) over whole periods of the joint: half the difference and half the sum of
+// the means forward and backward, the mean, and the amplitude along the joint's own sine.
+MatrixXd row_weights(const MotionSamples& motion, int joint) {
+  const Eigen::ArrayXd time = motion.time.array() - motion.time[0];
+  const double period = 1.0 / standard_frequency(joint);
+  const double whole = period * std::floor(time[time.size() - 1] / period);
+  const Eigen::ArrayXd used = (time < whole - comparing::kSameTime).cast<double>();
+  const Eigen::ArrayXd forward = used * (motion.dq.col(joint).array() > 0.0).cast<double>();
+  const Eigen::ArrayXd backward = used * (motion.dq.col(joint).array() < 0.0).cast<double>();
+  const Eigen::ArrayXd there = forward / std::max(forward.sum(), 1.0);
+  const Eigen::ArrayXd back = backward / std::max(backward.sum(), 1.0);
+  const Eigen::ArrayXd wave = motion.q.col(joint).array() - motion.q(0, joint);
+  MatrixXd out(motion.rows(), 4);
+  out << 0.5 * (there - back), 0.5 * (there + back), used / used.sum(),
+      2.0 / std::max(wave.abs().maxCoeff(), 1e-300) * wave * used / used.sum();
+  return out;
 }
 
 }  // namespace
 
-StandardTorque::StandardTorque(const Model& arm)
-    : parameters_(standard_parameters(arm)) {
+StandardTorque::StandardTorque(const Model& arm) : parameters(standard_parameters(arm)) {
   PreprocessingOptions unfiltered;
   unfiltered.cutoff = 0.0;
   unfiltered.decimation = 1;
-  const Model free = without_facts(arm);
-  const RegressorColumns columns(free, unfiltered);
-  motion_ = standard_motion(arm);
-  MotionSamples motion = motion_;
-  moving_ = columns.rows(segment_of(motion));
-  motion.dq.setZero();
-  motion.ddq.setZero();
-  resting_ = columns.rows(segment_of(motion));
-  for (Eigen::Index i = 0; i < arm.joints(); ++i) {
-    motion.ddq.setZero();
-    motion.ddq.col(i).setOnes();
-    const auto joint = static_cast<int>(i);
-    speeding_up_.push_back(columns.rows(segment_of(motion), {joint, joint + 1}).front());
-  }
-}
-
-MatrixXd StandardTorque::torque(const VectorRef& values) const {
-  MatrixXd out(motion_.rows(), motion_.joints());
-  for (Eigen::Index i = 0; i < motion_.joints(); ++i) {
-    const JointRows& rows = moving_[i];
-    VectorXd own(rows.parameters.size());
-    for (size_t p = 0; p < rows.parameters.size(); ++p)
-      own[static_cast<Eigen::Index>(p)] = values[rows.parameters[p]];
-    out.col(i) = rows.A * own;
-  }
-  return out;
-}
-
-VectorXd StandardTorque::rms_of(int parameter) const {
-  VectorXd out(motion_.joints());
-  for (Eigen::Index i = 0; i < out.size(); ++i)
-    out[i] = rms(column(moving_[i], parameter))[0];
-  return out;
-}
-
-VectorXd StandardTorque::weight_of(int parameter) const {
-  VectorXd out(motion_.joints());
-  for (Eigen::Index i = 0; i < out.size(); ++i)
-    out[i] = column(resting_[i], parameter).cwiseAbs().maxCoeff();
-  return out;
-}
-
-VectorXd StandardTorque::column_sizes() const {
-  VectorXd out(parameters_.size());
-  for (Eigen::Index p = 0; p < out.size(); ++p) out[p] = rms_of(static_cast<int>(p)).norm();
-  return out;
-}
-
-// Columns of the bodies, or of the effects, times a row of weights.
-VectorXd StandardTorque::projected(const JointRows& rows, const VectorXd& on, bool bodies) const {
-  VectorXd out = VectorXd::Zero(parameters_.size());
-  for (size_t c = 0; c < rows.parameters.size(); ++c) {
-    const int p = rows.parameters[c];
-    if (parameters_[p].effect.has_value() == bodies) continue;
-    out[p] = on.dot(rows.A.col(c));
-  }
-  return out;
-}
-
-VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
-  const auto i = static_cast<size_t>(joint);
-  const Eigen::ArrayXd time = motion_.time.array() - motion_.time[0];
-  const double period = 1.0 / standard_frequency(joint);
-  const double whole = period * std::floor(time[time.size() - 1] / period);
-  const Eigen::ArrayXd used = (time < whole - comparing::kSameTime).cast<double>();
-  const VectorXd mean = used / used.sum();
-  const Eigen::ArrayXd forward = used * (motion_.dq.col(joint).array() > 0.0).cast<double>();
-  const Eigen::ArrayXd backward = used * (motion_.dq.col(joint).array() < 0.0).cast<double>();
-  const Eigen::ArrayXd there = forward / std::max(forward.sum(), 1.0);
-  const Eigen::ArrayXd back = backward / std::max(backward.sum(), 1.0);
-  VectorXd out;
-  switch (which) {
-    case JointQuantity::kFriction:
-      out = projected(moving_[i], 0.5 * (there - back), false);
-      break;
-    case JointQuantity::kOffset:
-      out = projected(moving_[i], 0.5 * (there + back), false);
-      break;
-    case JointQuantity::kWeight:
-      out = projected(resting_[i], mean, true);
-      break;
-    case JointQuantity::kWeightSlope: {
-      const Eigen::ArrayXd wave = motion_.q.col(joint).array() - motion_.q(0, joint);
-      const double size = std::max(wave.abs().maxCoeff(), 1e-300);
-      out = projected(resting_[i], 2.0 / size * wave * mean.array(), true);
-      break;
+  const RegressorColumns columns(without_facts(arm), unfiltered);
+  const MotionSamples motion = standard_motion(arm);
+  joints = columns.rows(segment_of(motion));
+  MotionSamples still = motion;
+  still.dq.setZero();
+  still.ddq.setZero();
+  const std::vector<JointRows> resting = columns.rows(segment_of(still));
+  const auto all = static_cast<Eigen::Index>(parameters.size());
+  rms = weight = MatrixXd::Zero(arm.joints(), all);
+  for (int i = 0; i < arm.joints(); ++i) {
+    const std::vector<int>& own = joints[i].parameters;
+    // M_ii is the torque per unit of acceleration of this joint alone, from rest.
+    still.ddq.col(i).setOnes();
+    const MatrixXd speeding_up = columns.rows(segment_of(still), {i, i + 1}).front().A;
+    still.ddq.col(i).setZero();
+    const MatrixXd &moving = joints[i].A, &rest = resting[i].A;
+    const MatrixXd W = row_weights(motion, i);
+    const VectorXd size = veridyn::rms(moving), least = comparing::numbers.rounded_away * size.cwiseMax(veridyn::rms(speeding_up));
+    quantities.push_back(MatrixXd::Zero(all, std::size(kJointQuantities)));
+    for (Eigen::Index c = 0; c < size.size(); ++c) {
+      const int p = own[c];
+      rms(i, p) = size[c];
+      weight(i, p) = rest.col(c).cwiseAbs().maxCoeff();
+      auto out = quantities.back().row(p);
+      if (parameters[p].effect)
+        out.head(2) = moving.col(c).transpose() * W.leftCols(2);
+      else
+        out.segment(2, 2) = rest.col(c).transpose() * W.rightCols(2);
+      out[4] = W.col(2).dot(speeding_up.col(c) - rest.col(c));
+      for (double& value : out)
+        if (std::abs(value) < least[c]) value = 0.0;
     }
-    case JointQuantity::kInertia:
-      out = projected(speeding_up_[i], mean, true) - projected(resting_[i], mean, true) +
-            projected(speeding_up_[i], mean, false) - projected(resting_[i], mean, false);
-      break;
   }
-  for (Eigen::Index p = 0; p < out.size(); ++p) {
-    const double own = std::max(rms(column(moving_[i], static_cast<int>(p)))[0],
-                                rms(column(speeding_up_[i], static_cast<int>(p)))[0]);
-    if (std::abs(out[p]) < comparing::numbers.rounded_away * own) out[p] = 0.0;
-  }
-  return out;
+}
+
+MatrixXd StandardTorque::torque(int joint, const MatrixRef& values) const {
+  return joints[joint].A * values(joints[joint].parameters, Eigen::all);
 }
 
 VectorXd rms(const MatrixRef& columns) {

@@ -3,57 +3,40 @@
 #include <vector>
 
 #include "veridyn/identification/regressor_columns.hpp"
-#include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn {
 
-/// A property of a joint's torque that is linear in the parameters.
-enum class JointQuantity {
-  /// Half the difference between the effects' mean torques in forward and in backward motion over
-  /// standard_motion() [N m].
-  kFriction,
-  kOffset,       ///< half the sum of these two torques [N m]
-  kWeight,       ///< mean torque that holds the bodies at rest in the poses of standard_motion() [N m]
-  kWeightSlope,  ///< amplitude of that torque at the frequency of the joint's own motion [N m]
-  kInertia,      ///< mean of M_ii, rotor inertia included [kg m^2]
+/// A property of a joint's torque over standard_motion() that is linear in the parameters.
+struct JointQuantity {
+  const char* name;   ///< in ModelDifference::quantity
+  const char* words;  ///< beginning of a sentence, before the joint
 };
 
-constexpr JointQuantity kJointQuantities[] = {JointQuantity::kFriction, JointQuantity::kOffset,
-                                              JointQuantity::kWeight, JointQuantity::kWeightSlope,
-                                              JointQuantity::kInertia};
+/// friction:     half the difference between the effects' mean torques in forward and in backward motion [N m];
+/// offset:       half the sum of these two torques [N m];
+/// weight:       mean torque that holds the bodies at rest in the poses of the motion [N m];
+/// weight_slope: amplitude of that torque at the frequency of the joint's own motion [N m];
+/// inertia:      mean of M_ii, rotor inertia included [kg m^2].
+constexpr JointQuantity kJointQuantities[] = {{"friction", "Friction of"},
+                                              {"offset", "The constant torque of"},
+                                              {"weight", "The weight that rests on"},
+                                              {"weight_slope", "The part of the weight that follows the position of"},
+                                              {"inertia", "The inertia of"}};
 
 /// Torques over standard_motion() as a function of all standard parameters of an arm, known ones included.
-/// well).
-class StandardTorque {
- public:
+struct StandardTorque {
   explicit StandardTorque(const Model& arm);
 
-  const std::vector<StandardParameter>& parameters() const { return parameters_; }
+  /// Torques of one joint [N m] or [N], a column for each column of `values` (standard x any).
+  MatrixXd torque(int joint, const MatrixRef& values) const;
 
-  /// Torques (rows x n) [N m] or [N].
-  /// @param values  (standard).
-  MatrixXd torque(const VectorRef& values) const;
-
-  /// Rms torque of each joint (n) per unit of one parameter.
-  VectorXd rms_of(int parameter) const;
-
-  /// Largest torque of each joint (n) per unit of one parameter, at rest in the poses of standard_motion().
-  VectorXd weight_of(int parameter) const;
-
-  /// Rms torque over all joints (standard) per unit of every parameter.
-  VectorXd column_sizes() const;
-
-  /// The quantity of a joint (standard) per unit of every parameter, over whole periods of the joint's
+  std::vector<StandardParameter> parameters;
+  std::vector<JointRows> joints;     ///< rows of every joint in motion
+  MatrixXd rms;                      ///< (n x standard) rms torque per unit of every parameter
+  MatrixXd weight;                   ///< (n x standard) largest torque per unit, at rest in the poses of the motion
+  /// Of every joint, the kJointQuantities (standard x 5) per unit of every parameter, over whole periods of its
   /// motion. Values far below a parameter's own torque are rounding errors and set to zero.
-  VectorXd quantity(JointQuantity which, int joint) const;
-
- private:
-  VectorXd projected(const JointRows& rows, const VectorXd& on, bool bodies) const;
-
-  MotionSamples motion_;
-  std::vector<StandardParameter> parameters_;
-  std::vector<JointRows> moving_, resting_;
-  std::vector<JointRows> speeding_up_;  ///< joint i alone accelerates by one unit, from rest
+  std::vector<MatrixXd> quantities;
 };
 
 /// Root mean square of every column (n).

@@ -36,15 +36,4 @@ void SmoothBasis::values(double x, double* out) const {
   if (kind_ == BasisKind::kSided) out[size() - 1] = direction;
 }
 
-MatrixXd SmoothBasis::penalty() const {
-  MatrixXd out = MatrixXd::Zero(size(), size());
-  if (kind_ == BasisKind::kSides) return out;
-  const Eigen::Index splines = intervals_ + kDegree;
-  for (Eigen::Index k = 0; k + 2 < splines; ++k) {
-    const Eigen::Vector3d difference(1.0, -2.0, 1.0);
-    out.block<3, 3>(k, k) += difference * difference.transpose();
-  }
-  return out;
-}
-
 }  // namespace veridyn

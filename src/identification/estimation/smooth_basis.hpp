@@ -12,12 +12,9 @@ enum class BasisKind {
   kSides,  ///< one value on either side of zero, for directions
 };
 
-/// Cubic B-splines over equal intervals of a signal's range, constant outside of it, with a penalty
-/// on second differences of neighbouring coefficients:
+/// Cubic B-splines over equal intervals of a signal's range, constant outside of it:
 ///
-///   f(x) = sum_k a_k B_k(x),   penalty = sum_k (a_k - 2 a_(k+1) + a_(k+2))^2
-///
-/// Source: Eilers and Marx, Statistical Science 11(2), 1996 (P-splines).
+///   f(x) = sum_k a_k B_k(x)
 class SmoothBasis {
  public:
   /// @param low, high   range of the signal; low < high. Ignored for kSides.
@@ -30,12 +27,7 @@ class SmoothBasis {
   /// Writes the values of the functions at x, size() entries.
   void values(double x, double* out) const;
 
-  /// (size x size), positive semidefinite.
-  MatrixXd penalty() const;
-
   BasisKind kind() const { return kind_; }
-  double low() const { return low_; }
-  double high() const { return high_; }
 
  private:
   BasisKind kind_;

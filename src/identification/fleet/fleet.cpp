@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "model/excerpt.hpp"
+#include "identification/base_solution.hpp"
 #include "identification/fleet/fleet_fit.hpp"
 #include "identification/many_recordings.hpp"
 #include "files/input_file.hpp"
@@ -29,17 +30,9 @@ ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& 
   ArmFactor out;
   out.name = name;
   out.still = still_joints(arm, set.recordings);
-  for (const CompressedRecording& r : set.recordings) {
-    ++out.recordings;
-    out.rows += r.rows;
-    for (const auto& block : r.blocks) {
-      if (out.joints.empty()) {
-        out.joints = block;
-        continue;
-      }
-      for (size_t i = 0; i < block.size(); ++i) out.joints[i].merge(block[i]);
-    }
-  }
+  out.recordings = static_cast<int>(set.recordings.size());
+  for (const CompressedRecording& r : set.recordings) out.rows += r.rows;
+  if (out.rows > 0.0) out.joints = joint_totals(set.recordings);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/base_solution.hpp"
 #include "identification/estimation/least_squares.hpp"
 #include "identification/shortfall.hpp"
 #include "math/clustered_statistics.hpp"
@@ -46,17 +47,13 @@ FleetFit::FleetFit(const Model& arm, std::vector<ArmFactor> arms, const FleetOpt
 }
 
 std::vector<UndeterminedArm> FleetFit::extract_undetermined() {
-  std::vector<std::string> names;
-  for (const StandardParameter& p : parameters_) names.push_back(p.name);
+  const std::vector<std::string> names = parameter_names(parameters_);
   std::vector<UndeterminedArm> out;
   const auto undetermined = [&](const FittedArm& one) {
-    SquareRootInformation total(names);
-    double torque2 = 0.0;
-    for (const SquareRootInformation& f : one.data.joints) {
-      torque2 += f.rhs_norm2();
-      total.merge(f, 1.0 / std::sqrt(std::max(1e-300, f.rhs_norm2())));
-    }
-    const std::string why = torque2 == 0.0 ? "its torques are zero throughout"
+    VectorXd torque2(joints_);
+    for (Eigen::Index i = 0; i < joints_; ++i) torque2[i] = one.data.joints[i].rhs_norm2();
+    const SquareRootInformation total = weighted_total(one.data.joints, torque2.cwiseMax(1e-300).cwiseSqrt().cwiseInverse(), names);
+    const std::string why = torque2.isZero(0.0) ? "its torques are zero throughout"
                                            : shortfall(base_, base_parameters(total, preferred_columns(parameters_)), one.data.still);
     if (!why.empty()) out.push_back({one.data.name, why});
     return !why.empty();
@@ -78,29 +75,27 @@ VectorXd FleetFit::joint_coefficients(const SquareRootInformation& factor, const
   return x;
 }
 
-SquareRootInformation FleetFit::of_arm(const ArmFactor& arm, const VectorXd& weights, const VectorXd& at) const {
-  SquareRootInformation out(columns_);
-  const auto width = static_cast<Eigen::Index>(columns_.size());
-  double rho2 = 0.0, rows = 0.0;
+std::vector<SquareRootInformation> FleetFit::with_gains(const ArmFactor& arm, const VectorXd& at) const {
+  std::vector<SquareRootInformation> out;
   for (Eigen::Index i = 0; i < joints_; ++i) {
     const SquareRootInformation& f = arm.joints[i];
-    const MatrixXd R = f.R();
-    MatrixXd A = MatrixXd::Zero(f.size(), width);
-    for (int c = 0; c < f.size(); ++c) {
-      const auto found = place_.find(f.columns()[c]);
-      if (found != place_.end()) A.col(found->second) = weights[i] * R.col(c);
-    }
-    if (at.size() > 0) A.col(own_ + i) = weights[i] * (R * joint_coefficients(f, at));
-    out.absorb(A, weights[i] * f.z());
-    rho2 += weights[i] * weights[i] * f.rho2();
-    rows += f.rows();
+    MatrixXd T = MatrixXd::Identity(f.size(), f.size() + 1);
+    if (at.size() > 0) T.rightCols(1) = joint_coefficients(f, at);
+    std::vector<std::string> columns = f.columns();
+    columns.push_back(columns_[own_ + i]);
+    out.push_back(f.transformed(T, std::move(columns)));
   }
+  return out;
+}
+
+SquareRootInformation FleetFit::of_arm(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const {
+  SquareRootInformation out = weighted_total(joints, weights, columns_);
   const VectorXd norms = out.column_norms();
-  MatrixXd ridge = MatrixXd::Zero(own_ + joints_, width);
-  for (Eigen::Index k = 0; k < ridge.rows(); ++k)
-    ridge(k, k) = norms[k] > 0.0 ? (k < own_ ? fleets::numbers.own_ridge : fleets::numbers.gain_ridge) * norms[k] : 1.0;
-  out.absorb(ridge, VectorXd::Zero(ridge.rows()));
-  return SquareRootInformation(columns_, out.R(), out.z(), out.rho2() + rho2, rows);
+  MatrixXd rows = MatrixXd::Zero(own_ + joints_, out.size());
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    rows(k, k) = norms[k] > 0.0 ? (k < own_ ? fleets::numbers.own_ridge : fleets::numbers.gain_ridge) * norms[k] : 1.0;
+  out.absorb(rows, VectorXd::Zero(rows.rows()));
+  return out;
 }
 
 SquareRootInformation FleetFit::shared_information(const SquareRootInformation& factor) const {
@@ -118,14 +113,10 @@ VectorXd FleetFit::values(const SquareRootInformation& factor, const VectorXd& b
   return out;
 }
 
-// Squared residual of every joint, unweighted; the columns of gains are the torque for the values `at`.
-VectorXd FleetFit::residual2(const ArmFactor& arm, const VectorXd& values, const VectorXd& at) const {
+// Squared residual of every joint, unweighted.
+VectorXd FleetFit::residual2(const std::vector<SquareRootInformation>& joints, const VectorXd& values) const {
   VectorXd out(joints_);
-  for (Eigen::Index i = 0; i < joints_; ++i) {
-    VectorXd x = joint_coefficients(arm.joints[i], values);
-    if (at.size() > 0) x += values[own_ + i] * joint_coefficients(arm.joints[i], at);
-    out[i] = arm.joints[i].residual2(x);
-  }
+  for (Eigen::Index i = 0; i < joints_; ++i) out[i] = joints[i].residual2(joint_coefficients(joints[i], values));
   return out;
 }
 
@@ -147,7 +138,10 @@ void FleetFit::solve() {
   };
   VectorXd weights = weights_from([](const FittedArm& f, Eigen::Index i) { return f.data.joints[i].rhs_norm2(); });
   for (int round = 0; round < fleets::numbers.rounds; ++round) {
-    each_arm([&](FittedArm& f) { f.factor = of_arm(f.data, weights, f.values); });
+    each_arm([&](FittedArm& f) {
+      f.joints = with_gains(f.data, f.values);
+      f.factor = of_arm(f.joints, weights);
+    });
     SquareRootInformation total({columns_.end() - shared_, columns_.end()});
     for (const FittedArm& f : arms_)
       if (!f.odd) total.merge(shared_information(f.factor));
@@ -160,10 +154,9 @@ void FleetFit::solve() {
 }
 
 void FleetFit::fit(FittedArm& f) const {
-  const VectorXd at = f.values;
   f.values = values(f.factor, beta_);
-  f.residual2 = residual2(f.data, f.values, at);
-  f.alone2 = residual2(f.data, least_squares(f.factor), at);
+  f.residual2 = residual2(f.joints, f.values);
+  f.alone2 = residual2(f.joints, least_squares(f.factor));
   const Eigen::Index own = own_ + joints_;
   f.uncertain = f.factor.R()
                     .topLeftCorner(own, own)

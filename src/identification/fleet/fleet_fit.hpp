@@ -26,6 +26,7 @@ struct ArmFactor {
 /// One arm with its data, its factor over columns(), its values and its residuals.
 struct FittedArm {
   ArmFactor data;
+  std::vector<SquareRootInformation> joints = {};  ///< the same rows, each with a column for the gain of its torque
   SquareRootInformation factor = {};
   VectorXd values = {};              ///< of all columns; gains as shares
   VectorXd uncertain = {};           ///< standard deviation of each own value for white noise
@@ -58,9 +59,10 @@ class FleetFit {
   const std::vector<FittedArm>& arms() const { return arms_; }
   const VectorXd& beta() const { return beta_; }  ///< shared values
 
-  /// Rows of one arm over columns(), with joint weights. The columns of gains are the torque for the values
-  /// `at`; there are none if these are empty.
-  SquareRootInformation of_arm(const ArmFactor& arm, const VectorXd& weights, const VectorXd& at) const;
+  /// Rows of each joint with a further column for the gain of its torque: the torque for the values `at`.
+  std::vector<SquareRootInformation> with_gains(const ArmFactor& arm, const VectorXd& at) const;
+  /// These rows over columns(), with joint weights.
+  SquareRootInformation of_arm(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const;
   /// Information of this factor about the shared columns, with the arm's own columns eliminated.
   SquareRootInformation shared_information(const SquareRootInformation& factor) const;
   /// All values of an arm from its factor, for given shared values.
@@ -79,7 +81,7 @@ class FleetFit {
 
  private:
   VectorXd joint_coefficients(const SquareRootInformation& factor, const VectorXd& values) const;
-  VectorXd residual2(const ArmFactor& arm, const VectorXd& values, const VectorXd& at) const;
+  VectorXd residual2(const std::vector<SquareRootInformation>& joints, const VectorXd& values) const;
   template <typename Squares>
   VectorXd weights_from(const Squares& squares) const;
   void fit(FittedArm& arm) const;

@@ -17,9 +17,18 @@ double median_error(const Fleet& fleet, Eigen::Index joint, VectorXd FleetMember
   return median(std::move(all));
 }
 
-std::string line_of(const FleetOutlier& o) {
-  return fmt::format("  {}: {} is {:.4g}, the fleet's median {:.4g}; {:+.1f} deviations\n", o.arm,
-                     o.what, o.value, o.median, o.deviations);
+// A heading with the first entries of a list below it; nothing for an empty list.
+template <typename Entry, typename Line>
+std::string list_text(const std::string& heading, const std::vector<Entry>& all, const Line& line) {
+  if (all.empty()) return "";
+  std::string out = "\n" + heading + "\n";
+  for (std::size_t k = 0; k < std::min(fleets::kShown, all.size()); ++k) out += "  " + line(all[k]) + "\n";
+  if (all.size() > fleets::kShown) out += fmt::format("  and {} more\n", all.size() - fleets::kShown);
+  return out;
+}
+
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -37,39 +46,20 @@ std::string Fleet::report() const {
   out += "\nwhat each arm has for itself, median and robust spread\n";
   for (const FleetSpread& s : spreads)
     out += fmt::format("  {:<44} {:>12.5g} {:>12.3g} {}\n", s.name, s.median, s.spread, s.unit);
-  if (outliers.empty()) {
-    out += "\nno arm stands out\n";
-  } else {
-    out += fmt::format("\n{} that stand out\n", outliers.size());
-    for (size_t k = 0; k < std::min(fleets::kShown, outliers.size()); ++k) out += line_of(outliers[k]);
-    if (outliers.size() > fleets::kShown)
-      out += fmt::format("  and {} more\n", outliers.size() - fleets::kShown);
-  }
-  if (!other_bodies.empty()) {
-    out += fmt::format(
-        "\n{} of {} arms left out of the shared bodies: bodies of their own explain more of their "
-        "torques than of the others'\n",
-        other_bodies.size(), members.size());
-    for (size_t k = 0; k < std::min(fleets::kShown, other_bodies.size()); ++k) {
-      const FleetLeftOut& o = other_bodies[k];
-      out += fmt::format(
-          "  {}: {:.2f} % of joint {}'s torque is unexplained with the fleet's bodies, {:.2f} % "
-          "with its own; {:.1f} deviations\n",
-          o.arm, 100.0 * o.with_fleet, o.joint.value + 1, 100.0 * o.with_own, o.deviations);
-    }
-    if (other_bodies.size() > fleets::kShown)
-      out += fmt::format("  and {} more\n", other_bodies.size() - fleets::kShown);
-  }
-  if (!undetermined.empty()) {
-    out += fmt::format("\n{} left out whose recordings leave the bodies open\n",
-                       undetermined.size() == 1 ? "1 arm" : fmt::format("{} arms", undetermined.size()));
-    for (size_t k = 0; k < std::min(fleets::kShown, undetermined.size()); ++k)
-      out += fmt::format("  {}: {}\n", undetermined[k].arm, undetermined[k].why);
-    if (undetermined.size() > fleets::kShown)
-      out += fmt::format("  and {} more\n", undetermined.size() - fleets::kShown);
-  }
+  if (outliers.empty()) out += "\nno arm stands out\n";
+  out += list_text(fmt::format("{} that stand out", outliers.size()), outliers, [](const FleetOutlier& o) {
+    return fmt::format("{}: {} is {:.4g}, the fleet's median {:.4g}; {:+.1f} deviations", o.arm, o.what, o.value, o.median, o.deviations);
+  });
+  out += list_text(fmt::format("{} of {} arms left out of the shared bodies: bodies of their own explain more of their torques than of the others'",
+                               other_bodies.size(), members.size()),
+                   other_bodies, [](const FleetLeftOut& o) {
+    return fmt::format("{}: {:.2f} % of joint {}'s torque is unexplained with the fleet's bodies, {:.2f} % with its own; {:.1f} deviations", o.arm,
+                       100.0 * o.with_fleet, o.joint.value + 1, 100.0 * o.with_own, o.deviations);
+  });
+  out += list_text(counted(undetermined.size(), "arm") + " left out whose recordings leave the bodies open", undetermined,
+                   [](const UndeterminedArm& u) { return u.arm + ": " + u.why; });
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
-  if (!unusable_recordings.empty()) out += fmt::format("\n{} left out\n", unusable_recordings.size() == 1 ? "1 file" : fmt::format("{} files", unusable_recordings.size()));
+  if (!unusable_recordings.empty()) out += "\n" + counted(unusable_recordings.size(), "file") + " left out\n";
   return out;
 }
 
