@@ -619,18 +619,6 @@ TEST_F(AMistakenRecording, WithFilteredTorquesIsNamedWithTheCutOff) {
   EXPECT_NE(sentences_.find("a low-pass of about 1 Hz"), std::string::npos) << sentences_;
 }
 
-// Times that are twice too long, with velocities that were computed with them or without any.
-TEST_F(AMistakenRecording, WithASlowClockIsMendedByUnits) {
-  for (const bool velocity : {true, false}) {
-    Recording r = recorded("elbow-6r", 24);
-    r.time *= 2.0;
-    if (velocity) r.dq /= 2.0;
-    else r.dq.resize(0, 0);
-    EXPECT_EQ(findings(r), Names{"clock_rate:0"}) << sentences_;
-    EXPECT_NE(sentences_.find(velocity ? "--units t=0.5,dq=2 mends it" : "--units t=0.5 mends it"), std::string::npos) << sentences_;
-  }
-}
-
 // An offset that steps, a load that is picked up, a sensor that fails: the rest of the recording is used.
 TEST_F(AMistakenRecording, InWhichSomethingChangesMidwayIsMendedByRows) {
   const Recording sound = recorded("elbow-6r", 23);

@@ -51,6 +51,7 @@ class Search {
           exchange();
         }
       } while (drop_failing() && has_room());
+      prefer_common_causes();
       const size_t with_curves = static_cast<size_t>(request_.most + at_.rows().joints());
       while (request_.scope.wanted.empty() && at_.terms.size() < with_curves && add(true)) {
         if (at_.terms.back().term.kind == TermKind::kCurve) replace_names_by_curve();
@@ -204,6 +205,30 @@ class Search {
     return whole_arm();
   }
 
+  // Puts the most common cause in place of each chosen term among those that explain as much, within the error of their
+  // difference.
+  void prefer_common_causes() {
+    for (size_t k = 0; k < at_.terms.size(); ++k) {
+      const Term chosen = at_.terms[k].term;
+      if (chosen.is_linearised() || chosen.kind == TermKind::kCurve) continue;
+      const Round now = at_.round();
+      const Fitted full = now.evaluate(now.subset(at_.all_but({})));
+      const Subset s = now.subset(at_.all_but({k}));
+      const Fitted without = now.evaluate(s);
+      const auto may_enter = [&](const Term& t) { return is_name(t) && t.price < chosen.price - kGramRidge && !at_.is_chosen(t, {k}) && at_.shares_joint(t, {k}); };
+      std::vector<Option> common = options_.best_terms(now, s, options_.dictionary(now, may_enter), without.score - full.score, may_enter);
+      common.erase(std::remove_if(common.begin(), common.end(), [&](const Option& o) {
+                     if (!std::isfinite(o.value) || !passes(now.gain(o.fit, without), o.term)) return true;
+                     const Gain more = now.gain(full, o.fit);
+                     return more.sum + o.term.price - chosen.price > kErrors * more.error;
+                   }), common.end());
+      const auto cheapest = std::min_element(common.begin(), common.end(), [](const Option& a, const Option& b) { return a.term.price < b.term.price; });
+      if (cheapest == common.end()) continue;
+      replace({k}, *cheapest);
+      --k;  // the new term stands last
+    }
+  }
+
   // Groups of terms that one other term may replace: any two of a joint, and all of a joint.
   std::vector<std::set<size_t>> groups() const {
     std::set<std::set<size_t>> out;
@@ -251,7 +276,7 @@ class Search {
   }
 
   // Compares all terms on several joints with a single term that acts on several joints, linearised again;
-  // drops terms that are then superfluous. Each such term is tried once.
+  // drops terms that are then superfluous. Each such term is tried once for every number of terms.
   bool whole_arm() {
     const size_t own = std::count_if(at_.terms.begin(), at_.terms.end(), [](const Chosen& c) { return c.term.joint.has_value(); });
     if (own < 2) return false;
@@ -265,12 +290,12 @@ class Search {
     }
     const Subset s = now.subset(at_.all_but(local));
     const auto may_enter = [&](const Term& t) {
-      return is_name(t) && !t.joint && !at_.is_chosen(t) && tried_.count(t.place) == 0;
+      return is_name(t) && !t.joint && !at_.is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
     };
     std::vector<Option> options = options_.best_terms(now, s, options_.dictionary(now, may_enter), 1.0, may_enter);
     options.resize(std::min(options.size(), kMostWholeArm));
     for (const Option& o : options) {
-      tried_.insert(o.term.place);
+      tried_.insert(o.term.place + std::to_string(before.size()));
       if (!std::isfinite(o.value)) continue;
       at_.terms.clear();
       for (size_t k = 0; k < before.size(); ++k) {

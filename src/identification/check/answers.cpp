@@ -139,7 +139,7 @@ std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vecto
 }
 
 bool is_contradiction(const QualityFinding& finding) {
-  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "torque_clock", "torque_delay", "torque_filter", "clock_rate", "changed_midway", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained"};
+  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "torque_clock", "torque_delay", "torque_filter", "changed_midway", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained"};
   return finding.severity == Severity::kFault && (is_of_motion(finding) || kOthers.count(finding.finding) > 0);
 }
 

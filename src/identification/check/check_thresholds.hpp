@@ -13,10 +13,9 @@ constexpr int kFewestRows = 300;
 constexpr double kWorstCondition = 2e4;
 /// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that a
 /// joint that fits badly in any case does not hide another one. Decrease of the misfit > kBetter: a
-/// hypothesis is accepted; this corresponds to one joint's share falling to 0.4 of its value.
+/// hypothesis is accepted; this corresponds to one joint's share falling to 0.4 of its value. The same for the misfit of a fit
+/// to all rows, none of them held out.
 constexpr double kBetter = 0.9;
-/// decrease of the misfit in a fit to all rows, none of them held out > kBetterFitted.
-constexpr double kBetterFitted = 0.3;
 /// Decrease of the misfit > kGainsBetter: efforts are currents. Drive gains differ little between joints, and
 /// so do the fits.
 constexpr double kGainsBetter = 0.3;
@@ -134,8 +133,8 @@ constexpr double kOwnFactor = 1.2;
 /// as between two clocks; refined afterwards. Delays of up to half a period of usual motions are found.
 inline constexpr double kDelays[] = {0.03, 0.1};
 constexpr double kDrift = 3.0;
-/// Tested time constants of a low-pass of all torques = kFilters [s], 3, 1 and 0.3 Hz, and clocks that are twice too fast or
-/// too slow, refined afterwards from relative steps of kFactorStep.
+/// Tested time constants of a low-pass of all torques = kFilters [s], 3, 1 and 0.3 Hz, refined afterwards from relative steps
+/// of kFactorStep.
 inline constexpr double kFilters[] = {0.053, 0.16, 0.53};
 constexpr double kFactorStep = 0.3;
 /// Number of moments at which something may have changed = kMoments - 1; cost of excluding rows = kOfRows, so

@@ -148,19 +148,6 @@ RecordingQuestion torques_filtered(double constant) {
   });
 }
 
-// A clock that counts this many seconds in one, from which recorded velocities were computed, too.
-RecordingQuestion clock_of(double factor, bool velocity) {
-  RecordingQuestion q{"clock_rate", 0, 0, fmt::format("The clock counts {:.3g} s in one second{}", factor, velocity ? ", and velocities were computed with it" : "")};
-  q.other = fmt::format("--units t={:.4g}", 1.0 / factor) + (velocity ? fmt::format(",dq={:.4g}", factor) : "");
-  q.rows = [factor](Recording& r) {
-    r.time = VectorXd(r.time[0] + (r.time.array() - r.time[0]) / factor);
-    r.dq *= factor;
-  };
-  return numbered(std::move(q), checking::kFactorStep, [=](double distance) {
-    return std::vector<RecordingQuestion>{clock_of(factor * (1.0 + distance), velocity), clock_of(factor / (1.0 + distance), velocity)};
-  });
-}
-
 // The part of a recording, before or after a moment [s], that does not fit the rest.
 enum class Part { kBefore, kAfter };
 RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
@@ -394,9 +381,6 @@ class List {
       }
     }
     for (const double constant : checking::kFilters) out_.push_back(torques_filtered(constant));
-    for (const double factor : {0.5, 2.0}) {
-      if (r_.rows() >= checking::kRowsOfAnArm) out_.push_back(clock_of(factor, r_.dq.size() > 0));
-    }
     for (int k = 1; k < checking::kMoments; ++k) {
       const double moment = k * length / checking::kMoments;
       if (3 * k >= checking::kMoments) out_.push_back(without_rows(Part::kAfter, moment, r_));

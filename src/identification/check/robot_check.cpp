@@ -291,13 +291,14 @@ class RobotCheck {
       for (const Answer& parent : beam) {
         for (Answer& one : tried(parent, open_questions(parent))) {
           const RecordingQuestion& q = one.set.back();
-          one.score = parent.score + one.fit.misfit - parent.fit.misfit + (q.finding == "current" ? checking::kGainsBetter : checking::kBetter) + q.price;
+          const double needed = q.finding == "current" ? checking::kGainsBetter : checking::kBetter;
+          one.score = parent.score + one.fit.misfit - parent.fit.misfit + needed + q.price;
           // The file's values do not hold under another convention, so that they cannot contradict it.
           if (q.finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
           one.before = parent.fit.folds;
           // Rows that no others predict leave a large held-out error without any mistake. The correction of a mistake lowers the
           // error of a fit to all rows as well.
-          if (one.score < parent.score && one.fitted_gain > checking::kBetterFitted) (is_possible(one) ? next : impossible).push_back(std::move(one));
+          if (one.score < parent.score && one.fitted_gain > needed) (is_possible(one) ? next : impossible).push_back(std::move(one));
         }
       }
       const auto better = [](const Answer& a, const Answer& b) { return std::pair(!is_explained(a), a.score) < std::pair(!is_explained(b), b.score); };
