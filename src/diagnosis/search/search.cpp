@@ -51,7 +51,7 @@ class Search {
           exchange();
         }
       } while (drop_failing() && has_room());
-      prefer_common_causes();
+      if (request_.scope.changes) prefer_common_causes();
       const size_t with_curves = static_cast<size_t>(request_.most + at_.rows().joints());
       while (request_.scope.wanted.empty() && at_.terms.size() < with_curves && add(true)) {
         if (at_.terms.back().term.kind == TermKind::kCurve) replace_names_by_curve();
@@ -206,7 +206,7 @@ class Search {
   }
 
   // Puts the most common cause in place of each chosen term among those that explain as much, within the error of their
-  // difference.
+  // difference. An arm's first model is fitted with whatever predicts it best.
   void prefer_common_causes() {
     for (size_t k = 0; k < at_.terms.size(); ++k) {
       const Term chosen = at_.terms[k].term;
