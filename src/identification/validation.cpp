@@ -238,7 +238,8 @@ void judge_tests(const std::vector<Coordinate>& joints, const std::vector<Compre
       id.test[t].learned_from = r.source;
       // Files of fewer digits round some rows otherwise.
       const std::string part = share > 1.0 - identifying::numbers.learned_rows ? "its rows" : fmt::format("{:.0f} % of its rows", 100.0 * share);
-      id.warnings.push_back(held_out[t].source + ": " + part + " are rows of " + r.source + ", which is learned from: its error is not held out; test on another recording");
+      const std::string what = r.source == held_out[t].source ? "it is learned from, too" : part + " are rows of " + r.source + ", which is learned from";
+      id.warnings.push_back(held_out[t].source + ": " + what + ": its error is not held out; test on another recording");
       break;
     }
   }

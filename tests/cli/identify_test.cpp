@@ -312,6 +312,8 @@ TEST_F(Identify, APieceOfATrainingRecordingIsNotHeldOut) {
     EXPECT_EQ(json_of(folder_.path("out.json"))["warnings"].size(), 1U);
   }
   EXPECT_EQ(run({}).out.find("warning"), std::string::npos);
+  const ToolRun same = run_tool({"identify", "planar-2r", "--train", train_, "--test", train_, "--quiet"});
+  EXPECT_NE(same.out.find("warning: " + train_ + ": it is learned from, too: its error is not held out"), std::string::npos) << same.out;
 }
 
 // Zero velocities of two joints in two recordings are four findings of one kind.
