@@ -40,8 +40,8 @@ struct IdentificationNumbers {
   /// share of a recording's samples in gaps or beside them < few_in_gaps: not worth a line.
   double few_in_gaps = 1e-3;
 
-  /// share of a test recording's rows that a training recording holds >= learned_rows: it is not held out. Of a
-  /// simulated servo with one joint and coarse registers one row in eighty follows the same three rows by chance.
+  /// share of a test recording's rows that a training recording holds as well >= learned_rows: it is not held out. With
+  /// one joint and coarse registers one row in eighty follows three equal rows by chance.
   double learned_rows = 0.1;
 
   // Standard deviations.

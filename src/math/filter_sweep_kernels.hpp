@@ -58,7 +58,11 @@ struct FilterLoops {
     for (; n < in.count; ++n) sweep<1>(in.sections + n, first, step, samples);
   }
 
-  static void run(const FilterSweep& in) { in.lanes == kFilterLanes ? run_lanes<kFilterLanes>(in) : in.lanes == 1 ? run_lanes<1>(in) : run_lanes<0>(in); }
+  static void run(const FilterSweep& in) {
+    if (in.lanes == kFilterLanes) run_lanes<kFilterLanes>(in);
+    else if (in.lanes == 1) run_lanes<1>(in);
+    else run_lanes<0>(in);
+  }
 
   // kLanes: number of lanes in use, 0 if it is known at run time only.
   template <int kLanes>

@@ -632,6 +632,9 @@ TEST_F(AMistakenRecording, InWhichSomethingChangesMidwayIsMendedByRows) {
     EXPECT_NE(sentences_.find("Something after 11.2 s does not fit with the rows before"), std::string::npos) << sentences_;
     EXPECT_NE(sentences_.find("--rows 0:1125 mends it"), std::string::npos) << sentences_;
   }
+  Recording silent = sound;
+  silent.tau.bottomRows(sound.rows() - moment).setZero();
+  EXPECT_EQ(findings(silent), Names{"changed_midway:0"}) << sentences_;
   late.tau.topRows(700) *= 1.3;
   EXPECT_EQ(findings(late), Names{"changed_midway:0"}) << sentences_;
 }

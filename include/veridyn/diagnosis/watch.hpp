@@ -29,7 +29,7 @@ struct WatchOptions {
 enum class WatchStage {
   kSuspected,  ///< detected; causes are still being separated
   kNamed,      ///< isolated: one cause explains it
-  kUnnamed,     ///< isolated: no single cause explains it, or a push that has not ended; its cause is an ExternalContact
+  kUnnamed,    ///< isolated: no single cause explains it, or a push that has not ended; its cause is an ExternalContact
   kRefined,    ///< the same size estimated from more data
   kOver,       ///< a contact that has ended
   kPresent,    ///< a difference from the model at the beginning; it is part of the reference and raises no alarm

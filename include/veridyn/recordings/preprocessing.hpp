@@ -134,7 +134,7 @@ struct PreparationFacts {
   long unused = 0;   ///< of these samples, in or near gaps
   long rows_read = 0;
   FilledRows filled;
-  std::vector<std::uint64_t> row_hashes;  ///< sample of the selected rows, by which pieces of one recording are known
+  std::vector<std::uint64_t> row_hashes;  ///< hashes of a sample of the selected rows, which pieces of one recording share
 };
 
 /// Reads a recording of any length once and calls `visit` for segments of a few thousand samples.

@@ -8,14 +8,14 @@
 
 namespace veridyn {
 
-/// A linear combination of standard parameters as a model file knows it.
+/// Value and scatter of a linear combination of standard parameters.
 struct Estimate {
   double value = 0.0;
   VectorXd scatter;  ///< (clusters) its squared norm is the variance; empty without statistics
 };
 
-/// The combinations K phi of standard parameters that a model file determines: base parameters with the statistics of
-/// their identification or, without valid ones, those of its values, as exact. Each row of K has a one in the column of
+/// The combinations K phi of standard parameters that a model file determines: the base parameters of its identification with
+/// their statistics. Without valid statistics: the base parameters of its values, taken as exact. Each row of K has a one in the column of
 /// its leading parameter and zeros in those of the others, so that any other combination w is
 ///
 ///   w = K' c,   c = w at the leading parameters,   value = c' values,   scatter = scatter' c

@@ -18,12 +18,12 @@
 namespace veridyn {
 namespace {
 
-// Something that a model file states.
+// One statement of a model file.
 struct Property {
   std::string kind;     // as in StructureDifference; "robot": models of one arm agree in it
   std::string subject;
   std::string text;     // empty: the statement is that the model has the subject
-  std::vector<double> numbers = {};  // compared in place of the text where there are any
+  std::vector<double> numbers = {};  // if any, they are compared instead of the text
 };
 
 bool same(double a, double b) {
@@ -59,8 +59,7 @@ std::vector<double> shape_of(const Model& arm, const EffectTerm& term) {
   return {bound.shape().begin(), bound.shape().begin() + count};
 }
 
-// Names of the terms, independent of their shape constants: several of one effect at one place are numbered in the order
-// of these.
+// Names of the terms. Terms of one effect at one place are numbered in the order of their shape constants.
 std::vector<std::string> names_of_terms(const Model& arm) {
   std::map<std::string, std::vector<std::pair<std::vector<double>, std::size_t>>> at_place;
   for (std::size_t e = 0; e < arm.effects().size(); ++e) {

@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// Differences of effects, shapes, constants, gravity, drive gains and known values, and the bodies on fixed frames
-/// that one model has alone, as that of a diagnosed load is.
+/// Differences of effects, shapes, constants, gravity, drive gains and known values, and bodies on fixed frames that only
+/// one of the models has, as a load that a diagnosis added.
 /// @throws InvalidInput  coordinates, moving frames or bodies differ: the models describe two different robots.
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after);
 

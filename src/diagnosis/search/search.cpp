@@ -208,9 +208,12 @@ class Search {
   // Puts the most common cause in place of each chosen term among those that explain as much, within the error of their
   // difference. An arm's first model is fitted with whatever predicts it best.
   void prefer_common_causes() {
-    for (size_t k = 0; k < at_.terms.size(); ++k) {
+    for (size_t k = 0; k < at_.terms.size();) {
       const Term chosen = at_.terms[k].term;
-      if (chosen.is_linearised() || chosen.kind == TermKind::kCurve) continue;
+      if (chosen.is_linearised() || chosen.kind == TermKind::kCurve) {
+        ++k;
+        continue;
+      }
       const Round now = at_.round();
       const Fitted full = now.evaluate(now.subset(at_.all_but({})));
       const Subset s = now.subset(at_.all_but({k}));
@@ -223,9 +226,8 @@ class Search {
                      return more.sum + o.term.price - chosen.price > kErrors * more.error;
                    }), common.end());
       const auto cheapest = std::min_element(common.begin(), common.end(), [](const Option& a, const Option& b) { return a.term.price < b.term.price; });
-      if (cheapest == common.end()) continue;
-      replace({k}, *cheapest);
-      --k;  // the new term stands last
+      if (cheapest == common.end()) ++k;
+      else replace({k}, *cheapest);  // the new term stands last, the next one in its place
     }
   }
 

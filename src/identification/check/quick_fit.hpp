@@ -39,7 +39,7 @@ struct QuickFit {
   double contradictions = 0.0;  ///< the part of the misfit from contradictions to the file's values
   VectorXd fitted;                 ///< (n) unexplained share in the fit to all rows, none of them held out
   double fitted_misfit = 0.0;      ///< the misfit of that fit
-  VectorXd values;                 ///< base parameters of that fit
+  VectorXd values;                 ///< base parameters of that fit; empty if the recording allows none
   VectorXd friction;               ///< by joint: power lost to friction, relative to rms torque times rms speed
   VectorXd friction_significance;  ///< by joint: relative rise of the rms misfit without friction
   /// (n) recorded torque relative to that of the file's values; 0 if these explain too little of it.

@@ -259,7 +259,7 @@ class RobotCheck {
       one.fit = same_arm && questions[k].maps_torques() ? fitter_.fit(before.fit.moments, torques_of(one.set)) : fit_of(one.set);
       one.fitted_gain = before.fit.fitted_misfit - one.fit.fitted_misfit;
       // Rows that are left out bias the fit to all rows, if anything is wrong with them.
-      if (questions[k].finding == "changed_midway" && one.fit.moments != nullptr)
+      if (questions[k].finding == "changed_midway" && one.fit.moments != nullptr && before.fit.values.size() > 0)
         one.fitted_gain = fitter_.misfit_of(before.fit.values, *one.fit.moments, torques_of(one.set)) + one.fit.contradictions - one.fit.fitted_misfit;
       if (!(one.fit.misfit < before.fit.misfit)) one.fit.moments.reset();
     });
