@@ -8,6 +8,7 @@
 
 #include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
@@ -36,17 +37,16 @@ void add_bounds(const Rows& rows, Base& base) {
 }
 
 // Gram matrix of the columns of all parameters, each joint's torque relative to its rms.
-MatrixXd gram_of(const Rows& rows) {
+MatrixXd gram_of(const Rows& rows, int threads = 1) {
+  std::vector<MatrixXd> of_joint(rows.joints());
+  parallel_for(rows.joints(), threads, [&](int i) {
+    const double power = (rows.measured.col(i).array().square() * rows.used.col(i).array()).mean();
+    if (power > 0.0) of_joint[i] = rows.own[i].transpose() * rows.used.col(i).asDiagonal() * rows.own[i] / power;
+  });
   const auto all = static_cast<Eigen::Index>(rows.names().size());
   MatrixXd G = MatrixXd::Zero(all, all);
   for (int i = 0; i < rows.joints(); ++i) {
-    const double power = (rows.measured.col(i).array().square() * rows.used.col(i).array()).mean();
-    if (power <= 0.0) continue;
-    const MatrixXd mine = rows.own[i].transpose() * rows.used.col(i).asDiagonal() * rows.own[i] / power;
-    const std::vector<int>& at = rows.own_parameters[i];
-    for (Eigen::Index c = 0; c < mine.cols(); ++c) {
-      for (Eigen::Index r = 0; r < mine.rows(); ++r) G(at[r], at[c]) += mine(r, c);
-    }
+    if (of_joint[i].size() > 0) G(rows.own_parameters[i], rows.own_parameters[i]) += of_joint[i];
   }
   return G;
 }
@@ -90,8 +90,8 @@ MatrixXd covariance_of(const MatrixXd& F, const MatrixXd& G) {
   return F * F.transpose() + bound.asDiagonal() * precision.inverse() * bound.asDiagonal();
 }
 
-Base fitted_base(const Rows& rows, Eigen::Index most) {
-  const MatrixXd G = gram_of(rows);
+Base fitted_base(const Rows& rows, Eigen::Index most, int threads) {
+  const MatrixXd G = gram_of(rows, threads);
   const VectorXd norm = G.diagonal().cwiseSqrt();
   const VectorXd inverse = (norm.array() > numerics::kNoise * norm.maxCoeff()).select(norm.array().max(numerics::kTiny).inverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(inverse.asDiagonal() * G * inverse.asDiagonal()));
@@ -102,7 +102,8 @@ Base fitted_base(const Rows& rows, Eigen::Index most) {
   out.T = inverse.asDiagonal() * eigen.eigenvectors().rightCols(kept) * size.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   // Keeps single parameters from having many times the measured torque while others cancel it.
   out.ridge = (kLargestPart * kLargestPart * static_cast<double>(rows.rows()) * size.tail(kept)).cwiseInverse();
-  for (int i = 0; i < rows.joints(); ++i) out.X.push_back(base_columns(rows, i, out.T));
+  out.X.resize(rows.joints());
+  parallel_for(rows.joints(), threads, [&](int i) { out.X[i] = base_columns(rows, i, out.T); });
   add_bounds(rows, out);
   return out;
 }

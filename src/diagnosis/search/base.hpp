@@ -28,7 +28,7 @@ MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T);
 
 /// Base of an arm with fitted values, with at most `most` directions: errors in the signals can make
 /// dependent columns look independent.
-Base fitted_base(const Rows& rows, Eigen::Index most);
+Base fitted_base(const Rows& rows, Eigen::Index most, int threads = 1);
 
 /// Covariance of values from their scatter F over clusters of rows (values x clusters) and the Gram matrix G
 /// of their columns:

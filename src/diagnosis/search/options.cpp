@@ -94,8 +94,10 @@ Beside Options::beside(const Round& round, const Term& term, std::shared_ptr<con
 }
 
 std::vector<Beside> Options::beside(const Round& round, const std::vector<Term>& some) const {
-  std::vector<Beside> out;
-  for (const Term& t : some) out.push_back(beside(round, t, std::make_shared<Columns>(columns_of(t, at_.rows()))));
+  std::vector<Beside> out(some.size());
+  parallel_for(static_cast<int>(some.size()), request_.threads, [&](int k) {
+    out[k] = beside(round, some[k], std::make_shared<Columns>(columns_of(some[k], at_.rows())));
+  });
   return out;
 }
 
@@ -149,7 +151,7 @@ std::vector<Beside> Options::dictionary(const Round& round, const Asked& is_aske
 }
 
 std::vector<Beside> Options::ripples(const Round& round, const MatrixXd& residual) const {
-  std::vector<Term> some = search::ripples(at_.rows(), residual, at_.dictionary());
+  std::vector<Term> some = search::ripples(at_.rows(), residual, at_.dictionary(), request_.threads);
   some.erase(std::remove_if(some.begin(), some.end(), [&](const Term& t) { return !request_.scope.is_wanted(at_.rows().arm(), t.cause) || request_.scope.silent.count(t.joint->value) != 0; }), some.end());
   return beside(round, some);
 }
@@ -180,7 +182,7 @@ std::vector<Option> Options::far_gravities(const Round& now, const Fitted& fit) 
     o.term = *tilt;
     // The absence of gravity costs as much as any direction of which the joints feel nothing.
     if (gravity != Eigen::Vector3d::Zero()) o.term.price += std::log(static_cast<double>(all.size()));
-    o.fit = then.evaluate(then.subset(at_.all_but({})));
+    o.fit = then.fit();
     const Gain gain = now.gain(o.fit, fit);
     o.value = fit.score - gain.sum + o.term.price;
     o.columns = std::make_shared<Columns>(columns_of(o.term, at_.rows()));

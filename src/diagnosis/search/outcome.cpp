@@ -28,8 +28,8 @@ class Outcome {
       return out;
     }
     const Round now = at_.round();
-    const Subset s = now.subset(at_.all_but({}));
-    const Fitted full = now.evaluate(s);
+    const Subset& s = now.whole();
+    const Fitted& full = now.fit();
     const MatrixXd covariance = now.covariance(s, full);
     const std::vector<Beside> names = options_.dictionary(now, [](const Term& t) { return t.kind != TermKind::kCurve; });
     const auto relative = [&](const Fitted& f) {

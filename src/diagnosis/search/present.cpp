@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
+#include "math/parallel.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/identification/base_parameters.hpp"
@@ -70,7 +72,7 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
 }
 
 Base Present::base_of(const Rows& rows) const {
-  if (!request_.scope.changes) return fitted_base(rows, directions_);
+  if (!request_.scope.changes) return fitted_base(rows, directions_, request_.threads);
   if (base_.T.size() == 0) return prior_base(rows, arm_);
   // The directions were determined at the MODEL's own arm; at a corrected arm their columns differ.
   Base out = base_;
@@ -163,13 +165,13 @@ bool Present::move_to(const Model& arm) {
   if (rows->rows() != static_cast<Eigen::Index>(folds_.of_row.size()) || !rows->residual.allFinite()) return false;
   const bool same = is_same_motion(*rows_, *rows);
   rows_ = std::move(rows);
-  base_ = base_of(*rows_);
   for (size_t k = 0; k < cache_.size(); ++k) {
     if (!same || !follows_motion(dictionary_[k])) cache_[k] = nullptr;
   }
-  for (Chosen& c : terms) {
-    if (!same || !follows_motion(c.term)) c.columns = columns_of(c.term, *rows_);
-  }
+  parallel_for(static_cast<int>(terms.size()) + 1, request_.threads, [&](int k) {
+    if (k == 0) base_ = base_of(*rows_);
+    else if (!same || !follows_motion(terms[k - 1].term)) terms[k - 1].columns = columns_of(terms[k - 1].term, *rows_);
+  });
   return true;
 }
 
@@ -178,24 +180,23 @@ bool Present::move_to(const Model& arm) {
 bool Present::linearise(size_t k) {
   bool moved = terms[k].gravity.has_value();
   if (moved && !move_to(arm_of(terms))) return false;
+  std::optional<Round> now(round());
   for (int step = 0; step < kSteps; ++step) {
-    const Round now = round();
-    const Subset s = now.subset(all_but({}));
-    const Fitted fit = now.evaluate(s);
+    const Fitted& fit = now->fit();
     const auto [first, count] = range(k);
     const VectorXd z = fit.x.segment(first, count);
-    const MatrixXd covariance = now.covariance(s, fit).block(first, first, count, count);
+    const MatrixXd covariance = now->covariance(now->whole(), fit).block(first, first, count, count);
     bool small = true;
     for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kSettled * std::sqrt(std::max(covariance(c, c), numerics::kTiny));
     if (small) return true;
     const State state = kept();
-    bool better = false;
+    std::optional<Round> better;
     // A torque computed from the recorded torque of another joint contains its noise, so that it need not
     // lower the score as much as the model's torque does. Under another gravity the hidden parameters of a
     // MODEL have a torque: each fitted one may raise the held-out error.
     double least = moved ? 0.0 : -kBetter;
     if (!moved && is_tilt(terms[k].term)) least *= 1.0 + static_cast<double>(base_.hidden);
-    if (!moved && terms[k].term.candidate.from) least = -kHalf * now.gain(fit, now.evaluate(now.subset(all_but({k})))).sum;
+    if (!moved && terms[k].term.candidate.from) least = -kHalf * now->gain(fit, now->evaluate(now->subset(all_but({k})))).sum;
     for (double scale = 1.0; scale > kShortestStep && !better; scale *= 0.5) {
       std::vector<double> trial(static_cast<size_t>(count));
       for (Eigen::Index c = 0; c < count; ++c) trial[static_cast<size_t>(c)] = scale * z[c];
@@ -204,17 +205,19 @@ bool Present::linearise(size_t k) {
         continue;
       }
       if (!request_.scope.changes) values_ = state.values + state.base.T * fit.x.head(state.base.T.cols());
-      better = move_to(arm_of(terms));
-      if (better) {
-        const Round then = round();
-        const Fitted after = then.evaluate(then.subset(all_but({})));
-        const double gained = now.gain(after, fit).sum;
-        better = gained > least;
-        if (better && gained < kLittle && step > 0) return true;
+      if (move_to(arm_of(terms))) {
+        Round then = round();
+        const double gained = now->gain(then.fit(), fit).sum;
+        if (gained > least) {
+          if (gained < kLittle && step > 0) return true;
+          better.emplace(std::move(then));
+          continue;
+        }
       }
-      if (!better) restore(state);
+      restore(state);
     }
     if (!better) return moved;
+    now.emplace(std::move(*better));
     moved = true;
   }
   return true;
@@ -249,8 +252,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
   Without out;
   std::set<size_t> aside = curves_beside(k);
   const std::vector<int> set = all_but(aside);
-  const Subset with = now.subset(set);
-  out.with = now.evaluate(with);
+  out.with = aside.empty() ? now.fit() : now.evaluate(now.subset(set));
   const bool is_tested = is_repeated();
   MatrixXd test_with, test_without;
   if (is_tested) test_with = test_residual_of(out.with.x, set);
@@ -265,11 +267,9 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
     terms.erase(terms.begin() + static_cast<long>(k));
     if (move_to(arm_of(terms))) {
       const Round then = round();
-      const std::vector<int> rest = all_but({});
-      const Subset all = then.subset(rest);
-      out.fit = then.evaluate(all);
-      if (is_tested) test_without = test_residual_of(out.fit.x, rest);
-      if (look) look(then, all, out.fit, then.gain(out.with, out.fit).sum);
+      out.fit = then.fit();
+      if (is_tested) test_without = test_residual_of(out.fit.x, all_but({}));
+      if (look) look(then, then.whole(), out.fit, then.gain(out.with, out.fit).sum);
     } else {
       out.fit = out.with;
       test_without = test_with;
@@ -297,16 +297,24 @@ MatrixXd Present::test_residual_of(const VectorXd& x, const std::vector<int>& se
   MatrixXd residual = test.residual;
   const VectorXd shift = base_.T * x.head(base_.T.cols());
   for (int i = 0; i < rows_->joints(); ++i) residual.col(i) -= test.own[i] * shift(test.own_parameters[i]);
+  std::vector<std::shared_ptr<const Columns>*> columns;
+  std::vector<std::pair<const Term*, std::shared_ptr<const Columns>*>> missing;
   for (const int k : set) {
-    const auto [begin, count] = range(static_cast<size_t>(k));
     const Term& t = terms[k].term;
     std::string key = t.place;
     for (const auto& [name, value] : t.effect.values) key += fmt::format(" {} {:.17g}", name, value);
     for (int e = 0; e < 3; ++e) key += fmt::format(" {:.17g}", t.centre[e]);
-    auto at = test_columns_.find(key);
-    if (at == test_columns_.end()) at = test_columns_.emplace(key, std::make_shared<Columns>(columns_of(t, test))).first;
-    const Columns& columns = *at->second;
-    for (size_t j = 0; j < columns.joints.size(); ++j) residual.col(columns.joints[j]) -= columns.of[j] * x.segment(begin, count);
+    const auto [at, is_new] = test_columns_.emplace(key, nullptr);
+    columns.push_back(&at->second);
+    if (is_new) missing.emplace_back(&t, &at->second);
+  }
+  parallel_for(static_cast<int>(missing.size()), request_.threads, [&](int k) {
+    *missing[k].second = std::make_shared<Columns>(columns_of(*missing[k].first, test));
+  });
+  for (size_t at = 0; at < set.size(); ++at) {
+    const auto [begin, count] = range(static_cast<size_t>(set[at]));
+    const Columns& own = **columns[at];
+    for (size_t j = 0; j < own.joints.size(); ++j) residual.col(own.joints[j]) -= own.of[j] * x.segment(begin, count);
   }
   return residual;
 }

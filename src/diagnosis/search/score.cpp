@@ -164,19 +164,21 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
   std::iota(all.begin(), all.end(), 0);
   for (int turn = 0; turn < kReweighted; ++turn) {
     gram();
-    const Subset s = subset(all);
+    const Subset s = on_all_rows(all);
     VectorXd x = s.x, none;
     within_bounds(s, *s.all, nullptr, x, none);
     for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * x(acting_[i]);
     weigh(residual);
   }
   gram();
-  const Fitted fit = evaluate(subset(all));
+  whole_ = subset(all);
+  fit_ = evaluate(whole_);
   for (int i = 0; i < n; ++i) {
     VectorXd mask = rows.used.col(i);
     for (Eigen::Index k = 0; k < rows.rows(); ++k) mask[k] *= folds.of_row[k] < 0 ? 0.0 : 1.0;
-    samples_[i] = rows_of_[i] > 0.0 ? std::max(2.0, independent_samples(fit.residual.col(i), mask)) : 0.0;
+    samples_[i] = rows_of_[i] > 0.0 ? std::max(2.0, independent_samples(fit_.residual.col(i), mask)) : 0.0;
   }
+  fit_.score = score_of(fit_);
   weights = weights_;
 }
 
@@ -225,31 +227,37 @@ void Round::gram() {
   }
 }
 
-Subset Round::subset(const std::vector<int>& chosen) const {
+void Round::solve(const std::vector<int>& columns, const MatrixXd& G_of_rows, const VectorXd& g, Eigen::LLT<MatrixXd>& factor, VectorXd& x) const {
+  MatrixXd G = G_of_rows(columns, columns);
+  G.diagonal() += ridge_(columns);
+  G.diagonal().array() *= 1.0 + kGramRidge;
+  G.diagonal().array() += numerics::kTiny;
+  factor.compute(G);
+  x = VectorXd::Zero(ridge_.size());
+  const VectorXd own = factor.solve(VectorXd(g(columns)));
+  x(columns) = own;
+}
+
+// The part of a subset that is fitted to all rows.
+Subset Round::on_all_rows(const std::vector<int>& chosen) const {
   Subset s;
   for (Eigen::Index c = 0; c < base_; ++c) s.columns.push_back(static_cast<int>(c));
   for (const int t : chosen) {
     for (Eigen::Index c = 0; c < ranges_[t].second; ++c) s.columns.push_back(static_cast<int>(ranges_[t].first + c));
   }
-  const auto solve = [&](MatrixXd G, const VectorXd& g, Eigen::LLT<MatrixXd>& factor, VectorXd& x) {
-    G.diagonal() += ridge_(s.columns);
-    G.diagonal().array() *= 1.0 + kGramRidge;
-    G.diagonal().array() += numerics::kTiny;
-    factor.compute(G);
-    x = VectorXd::Zero(ridge_.size());
-    const VectorXd own = factor.solve(g);
-    x(s.columns) = own;
-  };
+  s.all = std::make_unique<Eigen::LLT<MatrixXd>>();
+  solve(s.columns, G_all_, g_all_, *s.all, s.x);
+  return s;
+}
+
+Subset Round::subset(const std::vector<int>& chosen) const {
+  Subset s = on_all_rows(chosen);
   s.fold.resize(folds_.count);
   s.x_fold.resize(folds_.count);
   for (int f = 0; f < folds_.count; ++f) {
-    const bool one = folds_.count == 1;
-    const MatrixXd G = one ? G_all_ : MatrixXd(G_all_ - G_[f]);
-    const VectorXd g = one ? g_all_ : VectorXd(g_all_ - g_[f]);
-    solve(MatrixXd(G(s.columns, s.columns)), VectorXd(g(s.columns)), s.fold[f], s.x_fold[f]);
+    if (folds_.count == 1) solve(s.columns, G_all_, g_all_, s.fold[f], s.x_fold[f]);
+    else solve(s.columns, G_all_ - G_[f], g_all_ - g_[f], s.fold[f], s.x_fold[f]);
   }
-  s.all = std::make_unique<Eigen::LLT<MatrixXd>>();
-  solve(MatrixXd(G_all_(s.columns, s.columns)), VectorXd(g_all_(s.columns)), *s.all, s.x);
   return s;
 }
 
@@ -366,6 +374,8 @@ double Round::training_gain(const Subset& s, const Cross& c) const {
   return with.in_span ? -1.0 : with.gain;
 }
 
+double Round::score_of(const Fitted& fit) const { return samples_of_row().dot(fit.loss.colwise().sum()) + fit.prior; }
+
 Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   Fitted out;
   const auto n = static_cast<Eigen::Index>(X_.size());
@@ -425,7 +435,7 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   out.x.conservativeResize(s.x.size() + k);
   out.x.tail(k) = z;
   if (prior_) out.prior = 0.5 * out.x.head(base_).squaredNorm();
-  out.score = samples_of_row().dot(out.loss.colwise().sum()) + out.prior;
+  out.score = score_of(out);
   if (c != nullptr) return out;
   out.residual = MatrixXd::Zero(rows_.rows(), n);
   for (size_t r = 0; r < order_.size(); ++r) out.residual.row(order_[r]) = sorted.row(static_cast<Eigen::Index>(r));

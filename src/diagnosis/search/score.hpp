@@ -71,6 +71,9 @@ class Round {
   VectorXd samples_of_row() const { return samples_.cwiseQuotient(rows_of_.cwiseMax(1.0)); }
   const MatrixXd& weights() const { return weights_; }
 
+  /// Base and all chosen terms, and their fit.
+  const Subset& whole() const { return whole_; }
+  const Fitted& fit() const { return fit_; }
   Subset subset(const std::vector<int>& chosen) const;
   Cross cross(const Columns& columns, const VectorXd& ridge) const;
 
@@ -86,6 +89,9 @@ class Round {
  private:
   struct Bordered;
   void within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const;
+  void solve(const std::vector<int>& columns, const MatrixXd& G_of_rows, const VectorXd& g, Eigen::LLT<MatrixXd>& factor, VectorXd& x) const;
+  Subset on_all_rows(const std::vector<int>& chosen) const;
+  double score_of(const Fitted& fit) const;
   void weigh(const MatrixXd& residual);
   void gram();
 
@@ -106,6 +112,8 @@ class Round {
   std::vector<VectorXd> g_;
   MatrixXd G_all_;
   VectorXd g_all_;
+  Subset whole_;
+  Fitted fit_;
 };
 
 }  // namespace veridyn::search

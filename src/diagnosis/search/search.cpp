@@ -96,8 +96,8 @@ class Search {
   // Adds the term that lowers the score most; false if none passes the tests.
   bool add(bool curves) {
     const Round now = at_.round();
-    const Subset s = now.subset(at_.all_but({}));
-    const Fitted fit = now.evaluate(s);
+    const Subset& s = now.whole();
+    const Fitted& fit = now.fit();
     const bool has_room = std::count_if(at_.terms.begin(), at_.terms.end(), [](const Chosen& c) { return c.term.kind != TermKind::kCurve; }) < request_.most;
     const auto may_enter = [&](const Term& t) {
       return !at_.is_chosen(t) && aside_.count(t.place) == 0 && is_compared_last(t) == curves && (has_room || t.kind == TermKind::kCurve);
@@ -161,7 +161,7 @@ class Search {
     const Round now = at_.round();
     const size_t count = at_.terms.size();
     const std::vector<int> all = at_.all_but({});
-    const Fitted full = now.evaluate(now.subset(all));
+    const Fitted& full = now.fit();
     const double value = full.score + at_.price_of(all);
     std::vector<Beside> names = options_.dictionary(now, [&](const Term& t) { return is_name(t); });
     append(options_.ripples(now, full.residual), names);
@@ -215,7 +215,7 @@ class Search {
         continue;
       }
       const Round now = at_.round();
-      const Fitted full = now.evaluate(now.subset(at_.all_but({})));
+      const Fitted& full = now.fit();
       const Subset s = now.subset(at_.all_but({k}));
       const Fitted without = now.evaluate(s);
       const auto may_enter = [&](const Term& t) { return is_name(t) && t.price < chosen.price - kGramRidge && !at_.is_chosen(t, {k}) && at_.shares_joint(t, {k}); };
@@ -285,7 +285,7 @@ class Search {
     const Present::State state = at_.kept();
     const std::vector<Chosen>& before = state.terms;
     const Round now = at_.round();
-    const Fitted full = now.evaluate(now.subset(at_.all_but({})));
+    const Fitted& full = now.fit();
     std::set<size_t> local;
     for (size_t k = 0; k < before.size(); ++k) {
       if (before[k].term.joint) local.insert(k);
@@ -311,7 +311,7 @@ class Search {
       }
       drop_superfluous();
       const Round then = at_.round();
-      const Fitted after = then.evaluate(then.subset(at_.all_but({})));
+      const Fitted& after = then.fit();
       double change = 0.0;
       for (const Chosen& c : at_.terms) change += c.term.price;
       for (const Chosen& c : before) change -= c.term.price;
@@ -332,7 +332,7 @@ class Search {
   void drop_superfluous() {
     while (!at_.terms.empty()) {
       const Round now = at_.round();
-      const double all = now.evaluate(now.subset(at_.all_but({}))).score;
+      const double all = now.fit().score;
       double best = 0.0;
       std::optional<size_t> gone;
       for (size_t k = 0; k < at_.terms.size(); ++k) {
@@ -358,9 +358,7 @@ class Search {
     if (request_.scope.wanted.empty() || at_.is_empty()) return {};
     const auto left = [&] {
       const Round now = at_.round();
-      const std::vector<int> all = at_.all_but({});
-      const Fitted fit = now.evaluate(now.subset(all));
-      return request_.test.empty() ? fit.residual : at_.test_residual_of(fit.x, all);
+      return request_.test.empty() ? now.fit().residual : at_.test_residual_of(now.fit().x, at_.all_but({}));
     };
     const Present::State state = at_.kept();
     const size_t names = state.terms.size();
@@ -389,9 +387,8 @@ class Search {
     bool any = false;
     while (!at_.terms.empty()) {
       const Round now = at_.round();
-      const Subset s = now.subset(at_.all_but({}));
-      const Fitted fit = now.evaluate(s);
-      const VectorXd deviations = now.covariance(s, fit).diagonal().cwiseSqrt();
+      const Fitted& fit = now.fit();
+      const VectorXd deviations = now.covariance(now.whole(), fit).diagonal().cwiseSqrt();
       std::optional<size_t> gone;
       double least = 0.0;
       bool is_refuted = false;

@@ -9,6 +9,7 @@
 #include "diagnosis/numerics.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/median.hpp"
+#include "math/parallel.hpp"
 #include "math/spectral_lines.hpp"
 #include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -425,6 +426,32 @@ Columns curve_columns_at(const Term& term, const Rows& rows) {
   return out;
 }
 
+constexpr auto kWaves = static_cast<size_t>((kLastWave - kFirstWave) / kWaveGrid);  // wave numbers of a spectrum
+
+// The most prominent wave numbers in a joint's residual over its position, the largest first.
+// @param unit  wave number of one wave per travel.
+std::vector<double> lines_of(const Rows& rows, const MatrixXd& residual, int joint, double unit) {
+  std::vector<double> s, r;
+  for (const Stretch& stretch : rows.stretches()) {
+    for (size_t k = 0; k < stretch.kept.size(); ++k) {
+      const Eigen::Index row = stretch.first + static_cast<Eigen::Index>(k);
+      s.push_back(stretch.segment.q(stretch.kept[k], joint));
+      r.push_back(residual(row, joint) * rows.used(row, joint));
+    }
+  }
+  const std::vector<double> sizes = line_amplitudes(s, r, kFirstWave * unit, kWaveGrid * unit, kWaves);
+  const double floor = kProminence * median(sizes);
+  std::vector<std::pair<double, double>> lines;
+  for (size_t k = 1; k + 1 < sizes.size(); ++k) {
+    if (sizes[k] >= floor && sizes[k] >= sizes[k - 1] && sizes[k] >= sizes[k + 1])
+      lines.emplace_back(sizes[k], (kFirstWave + kWaveGrid * static_cast<double>(k)) * unit);
+  }
+  std::sort(lines.rbegin(), lines.rend());
+  std::vector<double> out;
+  for (size_t k = 0; k < std::min(lines.size(), kMostLines); ++k) out.push_back(lines[k].second);
+  return out;
+}
+
 }  // namespace
 
 bool TermScope::is_wanted(const Model& arm, const Cause& cause) const {
@@ -443,35 +470,21 @@ std::vector<Term> dictionary(const Rows& rows, const TermScope& scope) {
   return Builder(rows, scope).all();
 }
 
-std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all) {
+std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all, int threads) {
   std::vector<Term> out;
   const std::vector<Range> range = ranges_of(rows);
-  const auto count = static_cast<size_t>((kLastWave - kFirstWave) / kWaveGrid);
   double price = 0.0;
   for (const Term& t : all) price = std::max(price, t.kind == TermKind::kEffect ? t.price : 0.0);
+  std::vector<std::vector<double>> lines(rows.joints());
+  parallel_for(rows.joints(), threads, [&](int i) {
+    if (range[i].travel() > (rows.arm().coordinates()[i].prismatic ? kStillLength : kStill))
+      lines[i] = lines_of(rows, residual, i, 2.0 * M_PI / range[i].travel());
+  });
   for (int i = 0; i < rows.joints(); ++i) {
-    if (range[i].travel() <= (rows.arm().coordinates()[i].prismatic ? kStillLength : kStill)) continue;
-    std::vector<double> s, r;
-    for (const Stretch& stretch : rows.stretches()) {
-      for (size_t k = 0; k < stretch.kept.size(); ++k) {
-        s.push_back(stretch.segment.q(stretch.kept[k], i));
-        r.push_back(residual(stretch.first + static_cast<Eigen::Index>(k), i) * rows.used(stretch.first + static_cast<Eigen::Index>(k), i));
-      }
-    }
-    const double unit = 2.0 * M_PI / range[i].travel();
-    const std::vector<double> sizes = line_amplitudes(s, r, kFirstWave * unit, kWaveGrid * unit, count);
-    std::vector<std::pair<double, double>> lines;
-    const double floor = kProminence * median(sizes);
-    for (size_t k = 1; k + 1 < sizes.size(); ++k) {
-      if (sizes[k] >= floor && sizes[k] >= sizes[k - 1] && sizes[k] >= sizes[k + 1])
-        lines.emplace_back(sizes[k], (kFirstWave + kWaveGrid * static_cast<double>(k)) * unit);
-    }
-    std::sort(lines.rbegin(), lines.rend());
-    lines.resize(std::min(lines.size(), kMostLines));
     for (const AxisEffect* effect : axis_effects()) {
       for (const EffectShape& shape : effect->shapes()) {
         if (shape.scale != ShapeScale::kWaves) continue;
-        for (const auto& [size, order] : lines) {
+        for (const double order : lines[i]) {
           Term t;
           t.cause = NewEffect{effect->name(), JointIndex{i}};
           t.candidate = {t.cause, JointIndex{i}, Axis{VectorXd::Unit(rows.joints(), i), 0.0}, std::nullopt};
@@ -480,8 +493,8 @@ std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std:
           t.effect.effect = effect->name();
           t.effect.axis = t.candidate.axis;
           t.effect.values[shape.name] = std::clamp(order, shape.lower, shape.upper);
-          t.shapes = {{shape.name, shape.lower, shape.upper, false, kWaveGrid * unit, false}};
-          t.price = std::log(static_cast<double>(count)) + price;
+          t.shapes = {{shape.name, shape.lower, shape.upper, false, kWaveGrid * 2.0 * M_PI / range[i].travel(), false}};
+          t.price = std::log(static_cast<double>(kWaves)) + price;
           out.push_back(std::move(t));
         }
       }

@@ -84,7 +84,7 @@ double reach_of(const FrameConstant& constant);
 std::vector<Term> dictionary(const Rows& rows, const TermScope& scope);
 
 /// Ripples suggested by the spectrum of a residual (rows x n) over the positions.
-std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all);
+std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all, int threads);
 
 /// Columns at the rows, for the term's shapes and the present arm.
 Columns columns_of(const Term& term, const Rows& rows);

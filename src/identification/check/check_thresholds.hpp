@@ -74,7 +74,7 @@ constexpr double kTiny = 1e-9;
 constexpr double kRidge = 1e-12;
 /// number of folds of contiguous blocks = kFolds; each fold is predicted from the others.
 constexpr int kFolds = 4;
-/// [Hz] rate = kGrid, at which recordings are compared if it gives kRowsAWave rows per period of the cut-off.
+/// [Hz] rate at which recordings are compared = the larger one of kGrid and kRowsAWave rows per period of the cut-off.
 constexpr double kGrid = 50.0, kRowsAWave = 10.0;
 /// Square of the second difference of white noise = kSecondDifference * its variance.
 constexpr double kSecondDifference = 6.0;

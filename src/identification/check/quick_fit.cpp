@@ -64,7 +64,8 @@ QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options, 
   options_.first_row = 0;
   options_.row_count.reset();
   options_.min_speed = 0.0;
-  if (options_.cutoff <= checking::kGrid / checking::kRowsAWave) options_.rate = checking::kGrid;
+  const double grid = std::max(checking::kGrid, checking::kRowsAWave * options_.cutoff);
+  if (grid == checking::kGrid || grid < facts.rate) options_.rate = grid;
   parameters_ = standard_parameters(arm_);
   base_ = base_parameters(arm_);
   VectorXd values = VectorXd::Zero(base_.K.cols());
@@ -260,8 +261,8 @@ double QuickFitter::contradictions(const QuickFit& fit) const {
 }
 
 RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& options) {
-  const double rate = std::min(checking::kGrid, 1.0 / std::max(median_step(recording.time), checking::kShortestStep));
-  RecordedFacts out{detect_period(recording).seconds, VectorXd::Zero(recording.tau.cols())};
+  RecordedFacts out{1.0 / std::max(median_step(recording.time), checking::kShortestStep), detect_period(recording).seconds, VectorXd::Zero(recording.tau.cols())};
+  const double rate = std::min(checking::kGrid, out.rate);
   for (Eigen::Index j = 0; j < recording.tau.cols(); ++j) {
     // Noise by the median of second differences, which ignores reversals of friction.
     std::vector<double> second;
