@@ -286,17 +286,15 @@ bool same_torques(const LoadRows& rows, int a, int b) {
   return ((BB.diagonal() - spanned).array() <= kSameSpan * BB.diagonal().array() + numerics::kTiny).all();
 }
 
-// Sorts the links by gain. Where gains tie, as in a diagnosis, the outermost link comes first, because a load
-// on a joint's axis may be carried by either of the links that the joint connects.
-void sort_by_gain(const Model& model, double tie, std::vector<PayloadEstimate>& links) {
+// Sorts the links by gain. Where gains tie, as in a diagnosis, the link that is nearest to the load comes first, because a
+// load on a joint's axis may be carried by either of the links that the joint connects.
+void sort_by_gain(double tie, std::vector<PayloadEstimate>& links) {
   std::stable_sort(links.begin(), links.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
   if (links.empty()) return;
   const double least = tie * links.front().gain;
   const auto tied = std::find_if(links.begin(), links.end(), [&](const PayloadEstimate& l) { return !(l.gain > least); });
-  const auto outermost = std::max_element(links.begin(), tied, [&](const auto& a, const auto& b) {
-    return model.find_frame(a.frame) < model.find_frame(b.frame);
-  });
-  if (tied != links.begin()) std::rotate(links.begin(), outermost, std::next(outermost));
+  const auto nearest = std::min_element(links.begin(), tied, [](const auto& a, const auto& b) { return a.com.norm() < b.com.norm(); });
+  if (tied != links.begin()) std::rotate(links.begin(), nearest, std::next(nearest));
 }
 
 // True if what a load leaves of a joint's torque is above the model's error in its own training.
@@ -399,7 +397,7 @@ void fit_loads(const Question& q, const Asked& asked, const std::vector<int>& pl
   out.links.erase(std::remove_if(out.links.begin(), out.links.end(), [](const PayloadEstimate& l) { return l.mass == 0.0; }), out.links.end());
   for (PayloadEstimate& link : out.links) link.most_off = mass_on(q.model, link.frame);
   note_unexplained(q, share, out);
-  sort_by_gain(q.model, q.limits.tie, out.links);
+  sort_by_gain(q.limits.tie, out.links);
   if (out.links.empty()) {
     out.reason = "no link moves enough in these recordings to feel a load";
     return;
@@ -593,7 +591,7 @@ std::string PayloadReport::report() const {
   }
   if (!std::isnan(links.front().gain))
     out += "in the order of held out: how much smaller the logarithm of the squared errors is, over all "
-         "joints, on rows that the load was not fitted to; of a tie the outermost link comes first\n";
+         "joints, on rows that the load was not fitted to; of a tie the link nearest to the load comes first\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
     for (Eigen::Index i = 0; i < v.size(); ++i) out += in_percent(v[i], kNumberWidth);

@@ -22,7 +22,7 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"significance", &T::significance,
        "p < significance / number of causes or parameters that are compared",
        "the family-wise error rate of one diagnosis in twenty"},
-      {"tie", &T::tie, "gain > tie * best gain: the earlier cause at rest, the outermost link of a load",
+      {"tie", &T::tie, "gain > tie * best gain: the earlier cause at rest, the link nearest to a load",
        "gains that differ by less are equal within the scatter between folds"},
       {"new_share", &T::new_share,
        "share of a column's square that the others do not span > new_share",

@@ -50,7 +50,7 @@ struct PayloadEstimate {
 struct PayloadReport {
   std::string robot;
   /// One for each class of links with indistinguishable motion, best first; of those within Thresholds::tie
-  /// of the best gain the outermost is first, as in diagnose().
+  /// of the best gain the one nearest to the load is first, as in diagnose().
   std::vector<PayloadEstimate> links;
   /// Relative errors, (n): of the unmodified model; with friction and offsets of the joints that
   /// carry the best load fitted again; with that load in addition. All fitted to these recordings.

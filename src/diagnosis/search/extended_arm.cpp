@@ -29,22 +29,6 @@ std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame)
   return std::nullopt;
 }
 
-// Inertial parameters of a load, with its inertia beyond that of a point mass.
-InertialParameters load_of(const Chosen& c) {
-  InertialParameters phi = InertialParameters::Zero();
-  phi.head<4>() = c.values.head<4>();
-  phi.tail<6>() = c.values.tail<6>();
-  const Eigen::Vector3d& p = c.term.centre;
-  const Eigen::Vector3d h = c.values.segment<3>(1);
-  static const int kRow[6] = {0, 0, 1, 0, 1, 2}, kColumn[6] = {0, 1, 1, 2, 2, 2};
-  for (int e = 0; e < 6; ++e) {
-    const int i = kRow[e], j = kColumn[e];
-    const double same = i == j ? 1.0 : 0.0;
-    phi[4 + e] += -c.values[0] * (p.squaredNorm() * same - p[i] * p[j]) + 2.0 * p.dot(h) * same - h[i] * p[j] - h[j] * p[i];
-  }
-  return phi;
-}
-
 // Inertial parameters of a body, written in another frame that moves with it.
 InertialParameters moved(const InertialParameters& phi, const Posed& T) {
   const Eigen::Matrix3d R = eigen(T.R);
@@ -70,7 +54,7 @@ Model extended_arm(const Model& arm, const std::vector<Chosen>& chosen, bool cha
     if (c.term.kind == TermKind::kLoad) {
       // A load's inertia beyond that of a point mass is less certain than its mass and moments: it is dropped
       // where the sum would be physically impossible.
-      InertialParameters load = load_of(c);
+      InertialParameters load = load_parameters(c.term.centre) * c.values;
       const FrameIndex frame = *frame_of(c.term.cause);
       const auto body = body_of(arm, frame);
       const auto& known = body ? d.frames[body->first].body->phi : std::nullopt;

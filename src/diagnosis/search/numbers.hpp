@@ -72,10 +72,11 @@ constexpr double kSettled = 0.05;            ///< share of a deviation, below wh
 constexpr double kShortestStep = 0.2, kLittle = 0.1;  ///< of a step; [nats] that end the steps
 constexpr double kGainOfNothing = -0.95;     ///< error of a factor at which it turns a torque round
 constexpr double kFarGravity = 0.1;          ///< of gravity: nearer directions are reached by steps
-/// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2]: what no torque sees stays small
-constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02;
+/// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2], also as that of a radius of
+/// gyration [m]: what no torque sees stays small
+constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02, kGyration = 0.05;
 constexpr double kSeen = 0.1;                ///< share of a first moment's prior deviation, below which torques determine it
-constexpr double kNoMass = 1e-6, kSameCentre = 1e-4;  ///< [kg], [m] of a load
+constexpr double kNoMass = 1e-6;             ///< [kg] of a load
 constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a joint's own
 constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape
 constexpr std::size_t kMostRivals = 4, kMostRefused = 60, kMostWholeArm = 3;

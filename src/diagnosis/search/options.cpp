@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
 
+#include "diagnosis/load_fit.hpp"
 #include "diagnosis/search/numbers.hpp"
 #include "math/parallel.hpp"
 
@@ -74,18 +76,18 @@ void Options::polish(const Round& round, const Subset& s, Option& best) const {
   }
 }
 
-// The load's inertia is that of a point at its centre, which follows from its moments.
+// Puts a point mass in place of ten free parameters: its inertia follows from mass and centre. The prior of the centre is
+// part of the value, so that of links with equal torque the one nearest to the load carries it.
 void Options::polish_load(const Round& round, const Subset& s, Option& best) const {
-  for (int k = 0; k < kTurns; ++k) {
-    const VectorXd z = best.fit.x.tail(kBodyParameters).head<4>();
-    if (std::abs(z[0]) < kNoMass) return;
-    Term t = best.term;
-    t.centre = z.tail<3>() / z[0];
-    if (t.centre.norm() > 2.0 * kReach || (t.centre - best.term.centre).norm() < kSameCentre) return;
-    Option next = option(round, s, t);
-    if (next.value >= best.value) return;
-    best = std::move(next);
-  }
+  const auto [A, b] = round.normal_equations(s, beside(round, best.term, best.columns).cross);
+  const MassCost cost(A, b, kReach);
+  const PlacedMass load = cost.fit();
+  Term t = best.term;
+  t.centre = load.com;
+  t.mass = load.mass;
+  best = option(round, s, t);
+  best.value += 0.5 * load.com.squaredNorm() / (kReach * kReach);
+  if (load.mass == 0.0 || cost.at_bound(load)) best.value = std::numeric_limits<double>::infinity();
 }
 
 Beside Options::beside(const Round& round, const Term& term, std::shared_ptr<const Columns> columns) const {

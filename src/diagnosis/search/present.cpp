@@ -114,7 +114,7 @@ VectorXd Present::ridge_of(const Term& t, Eigen::Index count, const VectorXd& sc
   VectorXd out = VectorXd::Zero(count);
   if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(kCurveSize * scale[t.joint->value], 2));
   if (t.kind == TermKind::kLoad) {
-    out.setConstant(1.0 / std::pow(kInertia, 2));
+    out.setConstant(1.0 / std::pow(t.mass == 0.0 ? kInertia : std::min(kInertia, std::abs(t.mass) * kGyration * kGyration), 2));
     out.segment<3>(1).setConstant(1.0 / std::pow(kMassOfArm * kReach, 2));
     out[0] = 1.0 / std::pow(kMassOfArm, 2);
   }

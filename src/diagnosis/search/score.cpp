@@ -290,6 +290,26 @@ Cross Round::cross(const Columns& columns, const VectorXd& ridge) const {
   return out;
 }
 
+namespace {
+
+// Gram matrices of a further term over all folds.
+struct Sums {
+  MatrixXd C, D;
+  VectorXd d;
+};
+
+Sums all_folds(const Cross& c) {
+  Sums out{c.C[0], c.D[0], c.d[0]};
+  for (size_t f = 1; f < c.C.size(); ++f) {
+    out.C += c.C[f];
+    out.D += c.D[f];
+    out.d += c.d[f];
+  }
+  return out;
+}
+
+}  // namespace
+
 // Further columns next to those that are factored already.
 struct Round::Bordered {
   MatrixXd half;            // L^-1 C
@@ -362,15 +382,16 @@ void Round::within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, c
   x(s.columns) = own;
 }
 
+std::pair<MatrixXd, VectorXd> Round::normal_equations(const Subset& s, const Cross& c) const {
+  const Sums all = all_folds(c);
+  const MatrixXd C = all.C(s.columns, Eigen::all);
+  const MatrixXd half = s.all->matrixL().solve(C);
+  return {all.D - half.transpose() * half, all.d - C.transpose() * VectorXd(s.x(s.columns))};
+}
+
 double Round::training_gain(const Subset& s, const Cross& c) const {
-  MatrixXd C = c.C[0], D = c.D[0];
-  VectorXd d = c.d[0];
-  for (int f = 1; f < folds_.count; ++f) {
-    C += c.C[f];
-    D += c.D[f];
-    d += c.d[f];
-  }
-  const Bordered with(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), D, d, c.ridge);
+  const Sums all = all_folds(c);
+  const Bordered with(*s.all, VectorXd(s.x(s.columns)), MatrixXd(all.C(s.columns, Eigen::all)), all.D, all.d, c.ridge);
   return with.in_span ? -1.0 : with.gain;
 }
 
@@ -380,27 +401,17 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   Fitted out;
   const auto n = static_cast<Eigen::Index>(X_.size());
   MatrixXd sorted = y_;
-  MatrixXd C_all, D_all;
-  VectorXd d_all;
   const Eigen::Index k = c != nullptr ? c->columns->count() : 0;
-  if (c != nullptr) {
-    C_all = c->C[0];
-    D_all = c->D[0];
-    d_all = c->d[0];
-    for (int f = 1; f < folds_.count; ++f) {
-      C_all += c->C[f];
-      D_all += c->D[f];
-      d_all += c->d[f];
-    }
-  }
+  Sums all;
+  if (c != nullptr) all = all_folds(*c);
   for (int f = 0; f < folds_.count; ++f) {
     VectorXd x = s.x_fold[f], z = VectorXd::Zero(k);
     std::optional<Bordered> with;
     if (c != nullptr) {
       const bool one = folds_.count == 1;
-      const MatrixXd C = one ? C_all : MatrixXd(C_all - c->C[f]);
-      with.emplace(s.fold[f], VectorXd(x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), one ? D_all : MatrixXd(D_all - c->D[f]),
-                   one ? d_all : VectorXd(d_all - c->d[f]), c->ridge);
+      const MatrixXd C = one ? all.C : MatrixXd(all.C - c->C[f]);
+      with.emplace(s.fold[f], VectorXd(x(s.columns)), MatrixXd(C(s.columns, Eigen::all)), one ? all.D : MatrixXd(all.D - c->D[f]),
+                   one ? all.d : VectorXd(all.d - c->d[f]), c->ridge);
       x(s.columns) += with->dx;
       z = with->z;
     }
@@ -427,7 +438,7 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   VectorXd z = VectorXd::Zero(k);
   std::optional<Bordered> with;
   if (c != nullptr) {
-    with.emplace(*s.all, VectorXd(s.x(s.columns)), MatrixXd(C_all(s.columns, Eigen::all)), D_all, d_all, c->ridge);
+    with.emplace(*s.all, VectorXd(s.x(s.columns)), MatrixXd(all.C(s.columns, Eigen::all)), all.D, all.d, c->ridge);
     out.x(s.columns) += with->dx;
     z = with->z;
   }

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -76,6 +77,10 @@ class Round {
   const Fitted& fit() const { return fit_; }
   Subset subset(const std::vector<int>& chosen) const;
   Cross cross(const Columns& columns, const VectorXd& ridge) const;
+
+  /// A and b of the weighted squares z' A z - 2 b' z that further columns with coefficients z add to those of a subset
+  /// which is fitted at the same time.
+  std::pair<MatrixXd, VectorXd> normal_equations(const Subset& s, const Cross& c) const;
 
   /// Upper bound of the gain of a term: the decrease of the weighted squares on the fitted rows.
   double training_gain(const Subset& s, const Cross& c) const;

@@ -294,28 +294,11 @@ Model with_load(const Model& arm, FrameIndex frame) {
   return Model(std::move(d));
 }
 
-// dL / d(m, h) of a point mass at c: L is homogeneous of degree one in mass and moments.
-Eigen::Matrix<double, 10, 4> point_mass_tangent(const Eigen::Vector3d& c) {
-  Eigen::Matrix<double, 10, 4> out = Eigen::Matrix<double, 10, 4>::Zero();
-  out.topRows<4>().setIdentity();
-  static const int kRow[6] = {0, 0, 1, 0, 1, 2}, kColumn[6] = {0, 1, 1, 2, 2, 2};
-  for (int e = 0; e < 6; ++e) {
-    const int i = kRow[e], j = kColumn[e];
-    const double same = i == j ? 1.0 : 0.0;
-    out(4 + e, 0) = -(c.squaredNorm() * same - c[i] * c[j]);
-    for (int k = 0; k < 3; ++k)
-      out(4 + e, 1 + k) = 2.0 * c[k] * same - (i == k ? c[j] : 0.0) - (j == k ? c[i] : 0.0);
-  }
-  return out;
-}
-
 Columns load_columns(const Term& term, const Rows& rows) {
   const Model arm = with_load(rows.arm(), *frame_of(term.cause));
   const TorqueRegressor batch(arm);
   const int body = static_cast<int>(arm.bodies().size()) - 1;
-  // Tangent of mass and moments of a point mass, and the remaining inertia.
-  Eigen::Matrix<double, 10, 10> tangent = Eigen::Matrix<double, 10, 10>::Identity();
-  tangent.leftCols<4>() = point_mass_tangent(term.centre);
+  const Eigen::Matrix<double, 10, 10> tangent = load_parameters(term.centre);
   Columns out;
   for (int i = 0; i < arm.joints(); ++i) {
     if (!arm.moves(arm.bodies()[body], i)) continue;
@@ -464,6 +447,20 @@ double reach_of(const FrameConstant& constant) {
 
 bool same_place(const Term& a, const Term& b) {
   return a.place == b.place;
+}
+
+// dL / d(m, h) of a point mass at c: L is homogeneous of degree one in mass and moments.
+Eigen::Matrix<double, 10, 10> load_parameters(const Eigen::Vector3d& c) {
+  Eigen::Matrix<double, 10, 10> out = Eigen::Matrix<double, 10, 10>::Identity();
+  static const int kRow[6] = {0, 0, 1, 0, 1, 2}, kColumn[6] = {0, 1, 1, 2, 2, 2};
+  for (int e = 0; e < 6; ++e) {
+    const int i = kRow[e], j = kColumn[e];
+    const double same = i == j ? 1.0 : 0.0;
+    out(4 + e, 0) = -(c.squaredNorm() * same - c[i] * c[j]);
+    for (int k = 0; k < 3; ++k)
+      out(4 + e, 1 + k) = 2.0 * c[k] * same - (i == k ? c[j] : 0.0) - (j == k ? c[i] : 0.0);
+  }
+  return out;
 }
 
 std::vector<Term> dictionary(const Rows& rows, const TermScope& scope) {

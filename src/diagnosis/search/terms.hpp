@@ -52,6 +52,7 @@ struct Term {
   std::vector<TermShape> shapes;
   std::optional<FrameConstant> constant;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centre of a load, about which its inertia is that of a point
+  double mass = 0.0;         ///< of that load [kg]; 0: not known yet
   std::vector<Signal> signals;
   std::vector<SmoothBasis> bases;
   double price = 0.0;        ///< ln 1/prior, with the prices of its grid and of its polished constants
@@ -85,6 +86,10 @@ std::vector<Term> dictionary(const Rows& rows, const TermScope& scope);
 
 /// Ripples suggested by the spectrum of a residual (rows x n) over the positions.
 std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std::vector<Term>& all, int threads);
+
+/// Inertial parameters of a load by its coefficients: mass and first moments, with the inertia of a point mass linearised
+/// at a centre, then the inertia beyond that.
+Eigen::Matrix<double, 10, 10> load_parameters(const Eigen::Vector3d& centre);
 
 /// Columns at the rows, for the term's shapes and the present arm.
 Columns columns_of(const Term& term, const Rows& rows);

@@ -46,14 +46,13 @@ void describe_load(const Chosen& c, double t, Finding& f) {
     if (is_heavy)
       f.parameters.push_back(parameter(std::string(1, "xyz"[k]), "m", z[1 + k] / z[0], t * quotient_deviation(z[1 + k], z[0], C(1 + k, 1 + k), C(0, 0), C(0, 1 + k))));
   }
-  double inertia = 0.0, known = 0.0;
+  double known = 0.0;  // the moment of inertia that is known best, in its deviations
+  const Eigen::Matrix<double, 10, 10> parameters = load_parameters(c.term.centre);
   for (const int k : {4, 6, 9}) {
-    if (std::abs(z[k]) > known * c.deviations[k]) {
-      known = std::abs(z[k]) / c.deviations[k];
-      inertia = z[k];
-    }
+    const double ratio = parameters.row(k).dot(z) / std::sqrt(std::max(numerics::kTiny, parameters.row(k).dot(C * parameters.row(k).transpose())));
+    if (std::abs(ratio) > std::abs(known)) known = ratio;
   }
-  const bool taken_off = !is_heavy && known > t && inertia < 0.0;
+  const bool taken_off = !is_heavy && known < -t;
   f.parameters.push_back({"moment", "kg m", moment, std::max(0.0, moment - half), moment + half});
   const auto range = [&](double low, double high) { return fmt::format("(95 %: {:.3g} to {:.3g})", low, high); };
   if (mass.low > 0.0) {

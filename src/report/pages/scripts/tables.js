@@ -73,7 +73,7 @@ pages.payload = () => {
         rows: change.map((i) => ({label: 'Joint ' + (i + 1), parts: [{from: 0, to: result.relative_error.before[i] || 0, colour: 'model', thin: true}, {from: 0, to: result.relative_error.after[i] || 0, colour: 'extended'}],
                                   value: [drawnNumber('/relative_error/before/' + i), ' \u2192 ', drawnNumber('/relative_error/after/' + i), ' %']}))}) : null],
     next: ['Add the load to the model as a body with these values, or tell the controller: control compensates what the model has.'], picture: armView(),
-    sections: [section('links', 'By link', 'With 95 % intervals; the first is the most likely, and the outermost of those that explain as much.', table(['Link', '#Mass', '#Centre x', '#Centre y', '#Centre z', '#Explains'], result.links.map((l, k) => [
+    sections: [section('links', 'By link', 'With 95 % intervals; the first is the most likely, and of those that explain as much the one nearest to the load.', table(['Link', '#Mass', '#Centre x', '#Centre y', '#Centre z', '#Explains'], result.links.map((l, k) => [
       strong(l.frame), entry(k, 'mass'), entry(k, 'com', 'x'), entry(k, 'com', 'y'), entry(k, 'com', 'z'), [number('/links/' + k + '/explained', 'share'), '\u00a0%']]), 'links'))]
   };
 };
