@@ -80,6 +80,47 @@ TEST_F(Changes, NoFrictionChangesItsSign) {
   }
 }
 
+// Ten free parameters of a load hold masses far from the truth whose torques are nearly the same, also negative ones: a load is
+// a point mass of a possible inertia, on that one of the links that move alike which is nearest.
+TEST_F(Changes, ALoadIsAMassNearItsLink) {
+  truth_ = plausible_model(read_model("psm-3dof"), 3).arm;
+  const std::string wrist = "wrist";
+  const auto recorded = [&](unsigned seed, const std::string& hidden) {
+    MotionSamples m{VectorXd::LinSpaced(3000, 0.0, 29.99), MatrixXd::Zero(3000, 3), MatrixXd::Zero(3000, 3), MatrixXd::Zero(3000, 3)};
+    const double middle[3] = {0.0, 0.1, 0.12}, size[3] = {0.35, 0.25, 0.03};
+    for (int i = 0; i < 3; ++i) {
+      m.q.col(i).setConstant(middle[i]);
+      for (const double w : {0.9 + 0.13 * seed, 2.1 + 0.1 * i, 3.7}) {
+        const Eigen::ArrayXd angle = w * m.time.array() + 1.7 * seed + i;
+        m.q.col(i).array() += size[i] * angle.sin();
+        m.dq.col(i).array() += size[i] * w * angle.cos();
+        m.ddq.col(i).array() -= size[i] * w * w * angle.sin();
+      }
+    }
+    SimulationOptions options;
+    if (!hidden.empty()) options.hidden = {parse_hidden_effect(hidden)};
+    options.noise = sensor_noise("low");
+    options.seed = seed;
+    const std::string path = folder_.path("psm" + std::to_string(seed) + ".csv");
+    write_recording(recording_of(simulate_recording(truth_, m, options)), path);
+    return path;
+  };
+  const Identification fit = identify(truth_, {recorded(1, ""), recorded(2, ""), recorded(3, "")});
+  ASSERT_TRUE(fit.model) << fit.reason;
+  const std::string load = "payload:" + wrist + ":mass=0.15,x=0.02,y=-0.04,z=-0.04";
+  DiagnosisOptions options;
+  options.identification.threads = 1;
+  const Diagnosis d = diagnose(*fit.model, {recorded(4, load), recorded(5, load)}, {recorded(6, load)}, options);
+  ASSERT_FALSE(d.findings.empty());
+  const Finding& found = d.findings.front();
+  ASSERT_TRUE(std::holds_alternative<AddedLoad>(found.cause)) << d.report();
+  EXPECT_EQ(truth_.frames()[frame_of(found.cause)->value].name, wrist) << d.report();
+  ASSERT_EQ(found.parameters.front().name, "mass") << d.report();
+  EXPECT_NEAR(found.parameters.front().value, 0.15, 0.05) << d.report();
+  EXPECT_LE(found.parameters.front().low, 0.15);
+  EXPECT_GE(found.parameters.front().high, 0.15);
+}
+
 TEST(SearchLoads, ALoadHasAMassOrAMomentThatDiffersFromZero) {
   VectorXd z = VectorXd::Zero(10), deviations = VectorXd::Ones(10);
   z[0] = 1.0;
