@@ -227,17 +227,20 @@ std::string Diagnosis::verdict() const {
     });
   };
   if (findings.empty()) {
-    std::string left, unknown, cut;
+    std::string left, unknown, cut, still;
     for (const JointVerdict& v : joints) {
       if (v.state == JointState::kAtFloor) continue;
-      std::string& list = std::isfinite(v.held_out) ? left : unknown;
+      const std::string& name = baseline.model->coordinates()[v.joint.value].name;
+      const bool is_still = std::find(baseline.still_in_test.begin(), baseline.still_in_test.end(), name) != baseline.still_in_test.end();
+      std::string& list = !std::isfinite(v.held_out) ? unknown : is_still ? still : left;
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
       if (is_cut(v.joint)) cut += (cut.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
     const std::string nothing = changes ? "nothing has changed" : wrong.empty() ? "none" : "no further cause";
-    if (left.empty() && unknown.empty()) return wrong + nothing;
+    if (left.empty() && unknown.empty() && still.empty()) return wrong + nothing;
     return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (cut.empty() ? "" : "; joints whose recorded torque stands at a limit: " + cut + ", record motions that need less") +
+           (still.empty() ? "" : "; joints that hardly move in the held-out recordings: " + still + ", test on a motion") +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
   }
   std::string out = wrong + sentence(findings.front());

@@ -60,6 +60,23 @@ TEST_F(AtTheEnds, RestsAreExcluded) {
   EXPECT_LT(x.start.train_without_excluded.relative.maxCoeff(), 0.5 * with_rests);
 }
 
+// At rest dry friction holds any torque: the error of such a recording is neither a cause's nor unlike the training recordings'.
+TEST_F(AtTheEnds, AHeldOutRecordingAtRestIsSaidToBeOne) {
+  const std::vector<std::string> train = {record(1, {}), record(2, {}), record(3, {})};
+  Recording still = read_recording(train[0]);
+  still.q.rowwise() = Eigen::RowVectorXd(still.q.row(0));
+  still.dq.setZero();
+  still.tau = (1.5 * still.tau.row(0)).replicate(still.rows(), 1);
+  still.ddq.resize(0, 0);
+  write_recording(still, folder_.path("still.csv"));
+  DiagnosisOptions options;
+  options.identification.threads = 1;
+  const Diagnosis d = diagnose(truth_, train, {folder_.path("still.csv")}, options);
+  EXPECT_TRUE(d.findings.empty()) << d.report();
+  EXPECT_NE(d.verdict().find("joints that hardly move in the held-out recordings: 1, 2, test on a motion"), std::string::npos) << d.verdict();
+  for (const JointVerdict& v : d.joints) EXPECT_EQ(v.why.rfind("it hardly moves in the held-out recordings", 0), 0U) << v.why;
+}
+
 TEST_F(AtTheEnds, AShortRestIsNotExcluded) {
   DiagnosisState x = resting(1.9, 1.2);  // of which the filter's transients are dropped anyway, 1.2 and 0.5 s
   exclude_rests(x);

@@ -357,7 +357,9 @@ class Explanation {
     else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // causes on other joints biased its parameters
     else {
       v.state = JointState::kCannotTell;
-      if (vibration) v.why = words_of(*vibration, j);
+      const std::vector<std::string>& still = d_.baseline.still_in_test;
+      if (std::find(still.begin(), still.end(), x_.arm.coordinates()[j].name) != still.end()) v.why = "it hardly moves in the held-out recordings, whose error says nothing about its motion";
+      else if (vibration) v.why = words_of(*vibration, j);
       else if (differs || is_unlike)
         v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
                             numerics::kPercent * trained[j], numerics::kPercent * v.extended);

@@ -11,7 +11,7 @@ function identifyNext(rows) {
   const bad = rows.filter((r) => kStates[r.state][0] === 'bad');
   const advice = rows.filter((r) => r.advice && r.state !== 'at_floor').map((r) => ({why: jointName(r.joint) + ': ' + typeset(r.advice)}));
   const command = otherCommand('diagnose', ['--method', '--prior', '--known-mass', '--weights', '--condition', '--signs']);
-  if (!result.test) return [{why: 'Record a second motion and hold it out (--test): only that tells how good the model is.'}];
+  if (!result.test || !(result.verdict || {}).held_out) return [{why: 'Record a second motion and hold it out (--test): only that tells how good the model is.'}];
   const why = bad.length ? 'Ask what the model lacks on ' + (bad.length === 1 ? 'joint ' : 'joints ') + jointsOf(bad) + ':' :
       rows.some((r) => r.ratio === null) ? 'Ask whether the model lacks anything:' : 'The model is ready for simulation and control; ask what changes later:';
   return advice.concat(command ? [{why, command}] : []);
