@@ -19,7 +19,7 @@ struct Imported {
 /// Assembles the arm's signals from the contents of a file: chooses topic, joints, clock and units.
 /// @throws InvalidInput  no positions; a missing joint of the arm; several topics that fit the arm equally
 /// well (without an arm the first one is taken, with a remark).
-Imported assemble(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
+Imported assemble(RawRecording raw, const std::string& path, const SignalChoice& choice);
 
 /// Reads a bag or an array file.
 /// @throws InvalidInput  as assemble(), or the file is too damaged.
