@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <limits>
 #include <map>
 #include <set>
@@ -142,12 +143,11 @@ std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
     zone = sign * (60 * hours + minutes);
   }
   if (p != end) return std::nullopt;
-  // Days since 1970 of the Gregorian calendar; years begin in March, so that leap days come last.
-  const std::int64_t y = month > 2 ? year : year - 1;
-  const std::int64_t era = y / 400, of_era = y % 400;
-  const std::int64_t of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
-  const std::int64_t days = era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
-  return (((days * 24 + hour) * 60 + minute - zone) * 60 + second) * kSecond + fraction;
+  std::tm date{};
+  date.tm_year = static_cast<int>(year - 1900);
+  date.tm_mon = static_cast<int>(month - 1);
+  date.tm_mday = static_cast<int>(day);
+  return (timegm(&date) + ((hour * 60 + minute - zone) * 60 + second)) * kSecond + fraction;
 }
 
 std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64_t unit) {
