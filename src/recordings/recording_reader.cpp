@@ -102,7 +102,8 @@ std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
     return std::make_unique<ImportedRows>(recordings::import_file(file, options), options);
   CsvLines lines(std::move(*file.bytes));
   if (!recordings::is_csv_table(lines, options)) return recordings::csv_rows(std::move(lines), options);
-  return std::make_unique<ImportedRows>(recordings::import_table(std::move(lines), options), options);
+  recordings::RawRecording table = recordings::read_csv_table(std::move(lines), options);
+  return std::make_unique<ImportedRows>(recordings::assemble(std::move(table), path, options.signals), options);
 }
 
 // True for a source that can be opened only once: a pipe, a socket, a terminal.

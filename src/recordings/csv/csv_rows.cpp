@@ -197,8 +197,8 @@ class CsvRows : public RowSource {
     for (int joint = 0; joint < layout_.joints; ++joint)
       facts.joints.push_back(named ? options_.signals.joints[joint].name : std::to_string(joint + 1));
     if (repeated_ > 0)
-      facts.remarks.push_back(text(repeated_, repeated_ == 1 ? " row repeats the time stamp before and is" : " rows repeat the time stamp before and are",
-                                   " left out."));
+      facts.remarks.push_back(text(repeated_, repeated_ == 1 ? " row repeats" : " rows repeat", " the time stamp before and ",
+                                   repeated_ == 1 ? "is" : "are", " left out."));
     facts.remarks.insert(facts.remarks.end(), remarks_.begin(), remarks_.end());
     if (first_date_) facts.start = 1e-9 * static_cast<double>(*first_date_);
     if (options_.rate > 0.0 && layout_.has_time && !counted_from_)
@@ -263,8 +263,8 @@ class CsvRows : public RowSource {
     std::string_view line = first_line_;
     if (line.empty() && !lines_.next(&line)) return false;
     if (!header_.empty() && line == header_)
-      throw InvalidInput(text(lines_.path(), ":", lines_.number(), ": found the header again, expected numbers; a second recording begins here: --rows 0:", row_number_,
-                              " reads what is before it, --rows ", row_number_ + 1, ": the rest."));
+      throw InvalidInput(text(lines_.path(), ":", lines_.number(), ": found the header again, expected numbers; a second recording begins here: ",
+                              "--rows 0:", row_number_, " reads what is before it, --rows ", row_number_ + 1, ": the rest."));
     RowParser(layout_, lines_, first_date_).parse(line, &row_);
     for (std::size_t k = 0; k < scales_.size(); ++k) row_[k] = scales_[k](row_[k]);
     first_line_.clear();
@@ -402,11 +402,13 @@ class CsvRows : public RowSource {
   // another position begins another recording, which is an error.
   void handle_backward_time(double found) {
     const bool moves_on = found > first_time_ && motion_continues();
-    if (!moves_on && row_number_ < 2) refuse_time(found, text("time runs back: sort the rows by it where they are out of order; where they are not, ", kCountRows));
+    if (!moves_on && row_number_ < 2)
+      refuse_time(found, text("time runs back: sort the rows by it where they are out of order; where they are not, ", kCountRows));
     if (!moves_on)
-      refuse_time(found, text("a second recording begins at row ", row_number_, ": --rows 0:", row_number_, " reads what is before it, --rows ", row_number_,
-                              ": the rest, and ", kCountRows));
-    remarks_.push_back(text("the clock steps back by ", time_ + step_ - found, " s at row ", row_number_, " while the arm moves on: the times behind it are moved on (--as-recorded refuses them)."));
+      refuse_time(found, text("a second recording begins at row ", row_number_, ": --rows 0:", row_number_,
+                              " reads what is before it, --rows ", row_number_, ": the rest, and ", kCountRows));
+    remarks_.push_back(text("the clock steps back by ", time_ + step_ - found, " s at row ", row_number_,
+                            " while the arm moves on: the times behind it are moved on (--as-recorded refuses them)."));
     moved_on_ += time_ + step_ - found;
   }
 
@@ -417,8 +419,8 @@ class CsvRows : public RowSource {
     for (const double factor : {1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9}) {
       if (!goes_on(factor * rescaled_ * t + moved_on_)) continue;
       rescaled_ *= factor;
-      remarks_.push_back(fmt::format("from row {} on the times are in another unit: {} by {:.0f} they go on where those before end (--as-recorded keeps them).",
-                                     row_number_, factor < 1.0 ? "divided" : "multiplied", std::max(factor, 1.0 / factor)));
+      remarks_.push_back(fmt::format("from row {} on the times are in another unit: {} by {:.0f} they go on where those before end "
+                                     "(--as-recorded keeps them).", row_number_, factor < 1.0 ? "divided" : "multiplied", std::max(factor, 1.0 / factor)));
       return;
     }
   }

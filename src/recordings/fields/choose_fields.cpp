@@ -175,7 +175,8 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
 
 // The signal that the name of a topic of plain numbers means, or -1.
 int effort_signal_of(const std::string& topic) {
-  static const std::map<std::string, int> kWords = {{"effort", kTau}, {"efforts", kTau}, {"torque", kTau}, {"torques", kTau}, {"current", kCurrent}, {"currents", kCurrent}};
+  static const std::map<std::string, int> kWords = {{"effort", kTau},  {"efforts", kTau},     {"torque", kTau},
+                                                    {"torques", kTau}, {"current", kCurrent}, {"currents", kCurrent}};
   int signal = -1;
   for (const std::string& word : words_of(topic)) {
     const auto found = kWords.find(word);

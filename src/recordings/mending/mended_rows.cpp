@@ -101,21 +101,27 @@ class MendedRows : public RowSource {
     const auto named = [this](const char* signal, std::size_t j) {
       return text(signal, j + 1, j < choice_.joints.size() ? " (" + choice_.joints[j].name + ")" : "");
     };
-    add(foreign_, text(count_text(foreign_, "row", "rows"), " of zeros alone amid the motion, as of another publisher, ", foreign_ == 1 ? "is" : "are", " left out (--as-recorded keeps them)."));
+    add(foreign_, text(count_text(foreign_, "row", "rows"), " of zeros alone amid the motion, as of another publisher, ",
+                       foreign_ == 1 ? "is" : "are", " left out (--as-recorded keeps them)."));
     add(repeated_, text(count_text(repeated_, "row repeats", "rows repeat"), " the time stamp before and ", repeated_ == 1 ? "is" : "are", " left out."));
-    add(equal_, text(count_text(equal_, "row repeats", "rows repeat"), " the time stamp before with other values: such rows are spread evenly up to the next time."));
-    add(in_bursts_, text(in_bursts_, " rows came in bursts and were stamped at arrival: they are spread evenly since the burst before (--as-recorded keeps their times)."));
+    add(equal_, text(count_text(equal_, "row repeats", "rows repeat"),
+                     " the time stamp before with other values: such rows are spread evenly up to the next time."));
+    add(in_bursts_, text(in_bursts_, " rows came in bursts and were stamped at arrival: they are spread evenly since the burst before "
+                                     "(--as-recorded keeps their times)."));
     for (std::size_t j = 0; j < joints_.size(); ++j)
-      add(joints_[j].wraps, text(named("q", j), " is wrapped ", count_text(joints_[j].wraps, "time", "times"), " and is continued over whole turns (--as-recorded keeps it)."));
+      add(joints_[j].wraps, text(named("q", j), " is wrapped ", count_text(joints_[j].wraps, "time", "times"),
+                               " and is continued over whole turns (--as-recorded keeps it)."));
     for (std::size_t j = 0; j < joints_.size(); ++j)
       add(joints_[j].frozen, text("q", j + 1, " and ", named("dq", j), " stay the same in ", count_text(joints_[j].frozen, "row", "rows"),
-                                  ", although the joint moves with this velocity or the one before: its encoder does not answer, and the rows are gaps (--as-recorded keeps them)."));
+                                  ", although the joint moves with this velocity or the one before: its encoder does not answer, "
+                                "and the rows are gaps (--as-recorded keeps them)."));
     add(dropouts_, text("positions leave the motion and come back ", count_text(dropouts_, "time", "times"), ": ", count_text(dropped_, "row is", "rows are"),
                         held_.dq.cols() > 0 ? " filled in by the velocities before and behind" : " left out", " (--as-recorded keeps them)."));
     for (std::size_t j = 0; j < joints_.size(); ++j)
       add(joints_[j].spikes, text(named("tau", j), " leaves its range for a single row ", count_text(joints_[j].spikes, "time", "times"),
                                   ": filled in from the rows beside (--as-recorded keeps it)."));
-    add(zeros_, text("all torques drop to zero amid the motion in ", count_text(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
+    add(zeros_, text("all torques drop to zero amid the motion in ",
+                     count_text(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
     return out;
   }
 

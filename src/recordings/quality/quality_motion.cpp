@@ -108,7 +108,8 @@ void check_load(const Head& head, const RecordingSignal& signal, Findings* findi
       for (int i = 0; i < (&other == &signal ? j : head.rows.joints()); ++i) {
         if (!are_equal((head.rows.*other.values).col(i), (head.rows.*signal.values).col(j))) continue;
         findings->add(Severity::kFault, "same_column", {signal.name, j + 1}, {},
-                      text(other.name, i + 1, " and ", signal.name, j + 1, " hold the same numbers in every row: one column was written twice, and another is missing."));
+                      text(other.name, i + 1, " and ", signal.name, j + 1,
+                           " hold the same numbers in every row: one column was written twice, and another is missing."));
       }
     }
   }

@@ -188,8 +188,8 @@ void report_scales(const Head& head, const std::vector<VelocityFit>& fits, Findi
                 text("Recorded velocities are ", number(common), " times the derivative of the positions on every moving joint: ",
                      is_near(common, kMinute)          ? "turns, and turns a minute? --units q=rev,dq=rpm."
                      : is_near(common, kTurnsAMinute) ? std::string("turns a minute? --units dq=rpm.")
-                                                      : text("the clock is off, and the true rate is ", number(common / head.step), " Hz rather than ", number(1.0 / head.step),
-                                                             " Hz (or all velocities are in another unit).")));
+                                                      : text("the clock is off, and the true rate is ", number(common / head.step), " Hz rather than ",
+                                                             number(1.0 / head.step), " Hz (or all velocities are in another unit).")));
 }
 
 // A velocity that is not the derivative of its position, and the joint to which it belongs instead.
@@ -197,7 +197,8 @@ void report_unrelated(const Head& head, const VelocityFit& fit, Findings* findin
   const Channel dq = velocity_of(fit.joint);
   std::string way = "take it from the position.";
   for (int other = 0; other < head.rows.joints(); ++other) {
-    if (velocity_fit(head, fit.joint, other).clear) way = text("that of joint ", other + 1, " is; --map dq", fit.joint + 1, "=dq", other + 1, " mends it.");
+    if (velocity_fit(head, fit.joint, other).clear)
+      way = text("that of joint ", other + 1, " is; --map dq", fit.joint + 1, "=dq", other + 1, " mends it.");
   }
   findings->add(Severity::kFault, "velocity_unrelated", dq.place(), {kNone, fit.correlation, ""},
                 text("The velocity of ", dq.name(), " is not the derivative of its position (correlation ", number(fit.correlation), "): ", way));

@@ -59,12 +59,14 @@ void erase_if(List& list, const Condition& condition) {
 // rates that follow from times in another unit.
 void exclude_effects(RecordingQuality& quality) {
   const auto is_held = [all = quality.findings](const std::string& signal, int joint) {
-    return std::any_of(all.begin(), all.end(), [&](const QualityFinding& f) { return f.finding == "stale_signal" && f.signal == signal && f.joint == joint; });
+    return std::any_of(all.begin(), all.end(),
+                       [&](const QualityFinding& f) { return f.finding == "stale_signal" && f.signal == signal && f.joint == joint; });
   };
   erase_if(quality.saturated, [&](const SaturatedInterval& one) { return is_held("tau", one.joint + 1); });
   const bool other_unit = quality.find("time_unit") != nullptr;
   erase_if(quality.findings, [&](const QualityFinding& f) {
-    return (f.finding == "saturation" && is_held(f.signal, f.joint)) || (other_unit && (f.finding == "rate_contradiction" || f.finding == "sample_rate"));
+    const bool of_rate = f.finding == "rate_contradiction" || f.finding == "sample_rate";
+    return (f.finding == "saturation" && is_held(f.signal, f.joint)) || (other_unit && of_rate);
   });
 }
 
@@ -116,10 +118,12 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
       quality.period = detect_period(head_rows);
       if (quality.period.found())
         findings.add(Severity::kInfo, "period", {}, {quality::kNone, quality.period.seconds, "s"},
-                     text("The motion repeats every ", quality.period.seconds, " s, ", quality::number(quality.period.repeats), " times: repeats give the noise floor."));
+                     text("The motion repeats every ", quality.period.seconds, " s, ", quality::number(quality.period.repeats),
+                          " times: repeats give the noise floor."));
     }
   }
-  std::stable_sort(quality.findings.begin(), quality.findings.end(), [](const QualityFinding& a, const QualityFinding& b) { return a.severity > b.severity; });
+  std::stable_sort(quality.findings.begin(), quality.findings.end(),
+                   [](const QualityFinding& a, const QualityFinding& b) { return a.severity > b.severity; });
   exclude_effects(quality);
   return quality;
 }
