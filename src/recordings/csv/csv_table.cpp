@@ -236,28 +236,31 @@ class Table {
   long skipped_ = 0;
 };
 
-}  // namespace
-
-bool is_csv_table(CsvLines& lines, const RecordingOptions& options) {
-  if (!options.columns.empty()) return false;
-  const std::optional<CsvHeader> header = find_csv_header(lines, options);
-  lines.rewind();
-  if (!header) return false;
+// True for a header of a table, and not of a plain recording or of anything else.
+bool is_table(const CsvHeader& header, const RecordingOptions& options) {
   if (!options.signals.map.empty()) return true;
-  if (is_plain(*header)) return false;
-  if (header->positions > 0) return true;
+  if (is_plain(header)) return false;
+  if (header.positions > 0) return true;
   // Number of columns named exactly like joints.
   std::size_t named = 0;
   for (const WantedJoint& joint : options.signals.joints) {
-    for (const std::string& name : header->names) named += name.find(joint.name) != std::string::npos;
+    for (const std::string& name : header.names) named += name.find(joint.name) != std::string::npos;
   }
   return named > 0 && named >= options.signals.joints.size();
 }
 
-RawRecording read_csv_table(CsvLines lines, const RecordingOptions& options) {
+}  // namespace
+
+std::optional<CsvHeader> table_header(CsvLines& lines, const RecordingOptions& options) {
+  if (!options.columns.empty()) return std::nullopt;
   std::optional<CsvHeader> header = find_csv_header(lines, options);
-  require(header.has_value(), lines.path(), ": found no header with names of joints, expected one.");
-  return Table(lines, options, std::move(*header)).read();
+  if (header && is_table(*header, options)) return header;
+  lines.rewind();
+  return std::nullopt;
+}
+
+RawRecording read_csv_table(CsvLines lines, CsvHeader header, const RecordingOptions& options) {
+  return Table(lines, options, std::move(header)).read();
 }
 
 }  // namespace veridyn::recordings
