@@ -101,8 +101,10 @@ std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
   if (file.kind != recordings::FileKind::kText)
     return std::make_unique<ImportedRows>(recordings::import_file(file, options), options);
   CsvLines lines(std::move(*file.bytes));
-  if (!recordings::is_csv_table(lines, options)) return recordings::csv_rows(std::move(lines), options);
-  return std::make_unique<ImportedRows>(recordings::import_table(std::move(lines), options), options);
+  std::optional<recordings::CsvHeader> header = recordings::table_header(lines, options);
+  if (!header) return recordings::csv_rows(std::move(lines), options);
+  recordings::RawRecording table = recordings::read_csv_table(std::move(lines), std::move(*header), options);
+  return std::make_unique<ImportedRows>(recordings::assemble(std::move(table), path, options.signals), options);
 }
 
 // True for a source that can be opened only once: a pipe, a socket, a terminal.

@@ -58,7 +58,7 @@ bool may_have_topics(const std::string& path) {
     recordings::OpenedFile file(path);
     if (file.kind != recordings::FileKind::kText) return true;
     CsvLines lines(std::move(*file.bytes));
-    return recordings::is_csv_table(lines, {});
+    return recordings::table_header(lines, {}).has_value();
   } catch (const InvalidInput&) {
     return true;  // the reader reports the reason
   }

@@ -319,6 +319,28 @@ TEST(ANameWithSlashes, IsSplitIntoTopicAndJoint) {
   EXPECT_EQ(split_topic("/arm/shoulder/position").path, "shoulder/position");
 }
 
+// As in "[deg]", where the words of the line are units with or without brackets.
+TEST(UnitsBelowTheHeader, MayStandInBrackets) {
+  const std::string path = testing::TempDir() + "veridyn-brackets-" + std::to_string(::getpid());
+  std::ofstream(path) << table("time,shoulder_pos,elbow_pos,shoulder_tau,elbow_tau\n[ms],[deg],(deg),[mNm],[Nm]", ",", 1e3, 0.0, kDegrees);
+  const Recording r = read_recording(path);
+  std::filesystem::remove(path);
+  ASSERT_EQ(r.rows(), 5);
+  EXPECT_NEAR(r.time[4], 0.04, 1e-9);
+  EXPECT_NEAR(r.q(3, 1), q(1, 3), 1e-11);
+  EXPECT_NEAR(r.tau(3, 0), 1e-3 * tau(0, 3), 1e-14);
+}
+
+// The smallest doubles are times like others.
+TEST(ATimeBelowTheNormalNumbers, IsRead) {
+  const std::string path = testing::TempDir() + "veridyn-denormal-" + std::to_string(::getpid());
+  std::ofstream(path) << "time,pos_a\n1e-320,0.1\n0.01,0.2\n0.02,0.3\n";
+  const Recording r = read_recording(path);
+  std::filesystem::remove(path);
+  ASSERT_EQ(r.rows(), 3);
+  EXPECT_EQ(r.time[0], 0.0);
+}
+
 TEST(JointsInAnotherOrder, AreReorderedForTheRobot) {
   const std::string path = testing::TempDir() + "veridyn-order-" + std::to_string(::getpid());
   std::ofstream(path) << table("time,pos_elbow,pos_shoulder,tau_elbow,tau_shoulder");

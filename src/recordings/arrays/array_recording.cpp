@@ -6,10 +6,8 @@
 #include <set>
 
 #include "model/excerpt.hpp"
-#include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/signals/joint_fields.hpp"
-#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -50,25 +48,6 @@ const NamedArray* clock_for(const ArraySet& set, const std::string& group,
     if (found->recorded) return vectors[*found->recorded];
   }
   return nullptr;
-}
-
-std::int64_t unit_of_clock(const NamedArray& clock, const TimeColumns& columns,
-                           const RecordingOptions& options, RawRecording* raw) {
-  const auto given = options.signals.units.find("t");
-  if (given != options.signals.units.end())
-    return std::llround(unit_factor("t", given->second).value_or(1.0) * 1e9);
-  if (columns.unit != 0) return columns.unit;
-  std::vector<double> steps;
-  bool whole = true;
-  for (std::size_t k = 0; k < clock.values.size() && k < 400; ++k) {
-    whole = whole && clock.values[k] == std::floor(clock.values[k]);
-    if (k > 0) steps.push_back(clock.values[k] - clock.values[k - 1]);
-  }
-  const std::int64_t unit = likely_time_unit(clock.values.front(), median(std::move(steps)), whole);
-  if (unit != 1000000000)
-    raw->remarks.emplace_back(
-        "times are not taken for seconds, by their size (--units t=s says otherwise).");
-  return unit;
 }
 
 // Element `k` of sample `row`, in either orientation of the array.
@@ -123,7 +102,12 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
     }
   }
   if (stream.fields.empty()) return;
-  const std::int64_t unit = clock != nullptr ? unit_of_clock(*clock, columns, options, raw) : 0;
+  std::int64_t unit = 0;
+  if (clock != nullptr) {
+    const std::vector<double> first(clock->values.begin(), clock->values.begin() + static_cast<long>(std::min(clock->values.size(), kTimesForUnit)));
+    const bool whole = std::all_of(first.begin(), first.end(), [](double t) { return t == std::floor(t); });
+    unit = time_unit(options.signals, columns.unit, first, whole, &raw->remarks);
+  }
   for (std::size_t row = 0; row < rows; ++row) {
     const double t = clock != nullptr ? clock->values[row] * static_cast<double>(unit)
                                       : static_cast<double>(row) * 1e9 / options.rate;

@@ -2,16 +2,41 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <set>
+#include <utility>
 
+#include "files/words.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/signals/joint_fields.hpp"
-#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
+constexpr int kPreamble = 30;  // largest number of lines before a header
 constexpr int kRecordedSignals = static_cast<int>(std::size(kRecordingSignals));
+
+bool is_position(const std::string& name) {
+  return field_of(split_topic(plain_name(name)).path).signal == 0;
+}
+
+bool is_unit_word(const std::string& word) {
+  static const std::set<std::string> kUnits = {"s", "ms", "us", "ns", "rad", "deg", "m", "mm", "rad/s", "deg/s", "m/s",
+                                               "nm", "n", "a", "ma", "mnm", "ncm", "-", ""};
+  return kUnits.count(lower(bare_unit(word))) > 0;
+}
+
+// Reads the line below the names: units, or the first row of numbers.
+void read_below(std::string_view line, CsvHeader* header) {
+  std::vector<std::string> fields = csv_fields(line, header->separator);
+  const bool units = fields.size() == header->names.size() && std::all_of(fields.begin(), fields.end(), is_unit_word) &&
+                     std::any_of(fields.begin(), fields.end(), [](const std::string& field) { return !field.empty(); });
+  if (units) {
+    header->units = std::move(fields);
+  } else {
+    header->first_row = line;
+  }
+}
 
 }  // namespace
 
@@ -32,38 +57,45 @@ TopicColumn split_topic(const std::string& name) {
 }
 
 std::string plain_name(const std::string& name) {
-  return name.rfind("field.", 0) == 0 ? name.substr(6) : name;
+  return starts_with(name, "field.") ? name.substr(6) : name;
 }
 
-CsvHeader parse_csv_header(std::string_view line, const std::string& time_name) {
-  CsvHeader header;
-  header.separator = csv_separator(line);
-  header.names = csv_fields(line, header.separator);
-  header.time = time_columns(header.names, time_name);
-  for (const std::string& name : header.names) {
-    if (field_of(split_topic(plain_name(name)).path).signal == 0) ++header.positions;
-  }
-  return header;
-}
-
-bool is_unit_word(const std::string& word) {
-  static const std::set<std::string> kUnits = {
-      "s",   "ms",  "us",   "ns",   "rad",  "deg",   "m",     "mm",    "rad/s", "deg/s",
-      "m/s", "nm",  "n",    "n m",  "n*m",  "a",     "ma",    "mnm",   "-",     "",
-      "[s]", "[rad]", "[deg]", "[nm]", "[a]", "[rad/s]", "[deg/s]", "°", "°/s", "ncm"};
-  std::string lower = word;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return kUnits.count(lower) > 0;
+std::string time_name(const RecordingOptions& options) {
+  const auto time = options.signals.map.find("t");
+  return time == options.signals.map.end() ? std::string() : time->second;
 }
 
 std::string bare_unit(std::string unit) {
-  for (const char* sign : {"[", "]", "(", ")", " ", "*"}) {
-    for (std::size_t at = unit.find(sign); at != std::string::npos; at = unit.find(sign))
-      unit.erase(at, 1);
+  static const std::map<std::string, std::string> kSpellings = {{"°", "deg"}, {"°/s", "deg/s"}, {"degs", "deg/s"},
+                                                                {"nm", "Nm"}, {"mnm", "mNm"},   {"ma", "mA"}};
+  const auto is_sign = [](char c) { return std::string_view("[]() *").find(c) != std::string_view::npos; };
+  unit.erase(std::remove_if(unit.begin(), unit.end(), is_sign), unit.end());
+  const auto known = kSpellings.find(unit);
+  return known == kSpellings.end() ? unit : known->second;
+}
+
+std::optional<CsvHeader> find_csv_header(CsvLines& lines, const RecordingOptions& options) {
+  std::string_view line;
+  for (int k = 0; k < kPreamble && lines.next(&line); ++k) {
+    CsvHeader header;
+    header.separator = csv_separator(line);
+    header.names = csv_fields(line, header.separator);
+    const std::size_t columns = header.names.size();
+    const bool numbers = is_row_of_numbers(line);
+    if (numbers) header.names = csv_fields(lines.last_comment(), header.separator);
+    if (numbers && (lines.last_comment().empty() || header.names.size() != columns)) return std::nullopt;
+    header.time = time_columns(header.names, time_name(options));
+    header.positions = static_cast<int>(std::count_if(header.names.begin(), header.names.end(), is_position));
+    header.line = lines.number();
+    if (columns < 2 || (!header.time.recorded && header.positions == 0)) continue;
+    if (numbers) {
+      header.first_row = line;
+    } else if (lines.next(&line)) {
+      read_below(line, &header);
+    }
+    return header;
   }
-  if (unit == "°") return "deg";
-  if (unit == "°/s") return "deg/s";
-  return unit;
+  return std::nullopt;
 }
 
 bool is_plain(const CsvHeader& header) {

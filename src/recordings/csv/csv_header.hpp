@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "recordings/csv/csv_lines.hpp"
 #include "recordings/csv/time_column.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
 
@@ -14,11 +16,14 @@ struct CsvHeader {
   std::vector<std::string> names;
   std::vector<std::string> units;  ///< of a second line, or empty
   TimeColumns time;
-  int positions = 0;  ///< columns that are positions of joints
+  int positions = 0;      ///< columns that are positions of joints
+  long line = 0;          ///< number of its line in the file
+  std::string first_row;  ///< first line of numbers, if it was read in advance
 };
 
-/// @param time_name  the column of the clock chosen by the user; else empty.
-CsvHeader parse_csv_header(std::string_view line, const std::string& time_name);
+/// Finds the header among the first lines: it has a clock or positions of joints. The last comment before the
+/// numbers may be the header; other lines may precede it.
+std::optional<CsvHeader> find_csv_header(CsvLines& lines, const RecordingOptions& options);
 
 /// True for a header t, q1..qn, which is read row by row by csv_rows().
 bool is_plain(const CsvHeader& header);
@@ -33,8 +38,10 @@ TopicColumn split_topic(const std::string& name);
 /// A column name of rostopic echo -p without the prefix `field.`.
 std::string plain_name(const std::string& name);
 
-/// True if a field of a second line may be a unit; bare_unit() removes brackets and signs.
-bool is_unit_word(const std::string& word);
+/// A unit of a header without brackets and signs, in the spelling of unit_factor().
 std::string bare_unit(std::string unit);
+
+/// The column that --map takes as the time; empty: none.
+std::string time_name(const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

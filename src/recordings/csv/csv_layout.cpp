@@ -1,13 +1,12 @@
 #include "recordings/csv/csv_layout.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <set>
-#include <utility>
 
 #include "model/excerpt.hpp"
 #include "files/words.hpp"
@@ -26,34 +25,31 @@ int signal_index(const std::string& name) {
   return -1;
 }
 
-// `dq12` is base `dq` and number 12; number is -1 without digits.
+// `dq12` is base `dq` and number 12; number is -1 without digits, and signal if the base is none.
 struct ColumnName {
   std::string base;
+  int signal = -1;
   int number = -1;
 };
 
-ColumnName split(const std::string& name) {
+ColumnName column_name(const std::string& name) {
   const std::size_t digits = name.find_last_not_of("0123456789") + 1;
-  ColumnName parts{name.substr(0, digits)};
-  if (digits < name.size() && name.size() - digits < 6)
-    parts.number = std::stoi(name.substr(digits));
-  return parts;
+  const std::string base = name.substr(0, digits);
+  const bool numbered = digits < name.size() && name.size() - digits < 6;
+  return {base, signal_index(base), numbered ? std::stoi(name.substr(digits)) : -1};
 }
 
 // The signal that a misspelt column name probably means, or -1: different case, `_` before the number,
 // swapped letters, or a common word.
 int likely_signal(const ColumnName& name) {
-  static const std::pair<const char*, const char*> kWords[] = {
+  static const std::map<std::string, const char*> kWords = {
       {"pos", "q"},    {"position", "q"}, {"angle", "q"},   {"vel", "dq"},     {"velocity", "dq"},
       {"qdot", "dq"},  {"acc", "ddq"},    {"qddot", "ddq"}, {"torque", "tau"}, {"effort", "tau"},
       {"taus", "tau"}, {"ta", "tau"},     {"tu", "tau"},    {"force", "tau"},  {"current", "i"}};
-  if (name.number < 0) return -1;
   std::string base = lower(name.base);
-  while (!base.empty() && (base.back() == '_' || base.back() == '.' || base.back() == ' '))
-    base.pop_back();
-  for (const auto& [word, meant] : kWords) {
-    if (base == word) return signal_index(meant);
-  }
+  base.erase(base.find_last_not_of("_. ") + 1);
+  const auto word = kWords.find(base);
+  if (word != kWords.end()) return signal_index(word->second);
   for (int s = 0; s < kSignals; ++s) {
     const std::string known = kRecordingSignals[s].name;
     if (std::is_permutation(base.begin(), base.end(), known.begin(), known.end())) return s;
@@ -61,15 +57,13 @@ int likely_signal(const ColumnName& name) {
   return -1;
 }
 
-void suggest_missing(const CsvLayout& layout, const std::string& where) {
-  for (std::size_t column = 0; column < layout.names.size(); ++column) {
-    const ColumnName name = split(layout.names[column]);
-    if (layout.slots[column] != CsvLayout::kIgnored) continue;
-    const int meant = likely_signal(name);
+void suggest_missing(const CsvLayout& layout, const std::vector<ColumnName>& columns, const std::string& where) {
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const int meant = layout.slots[k] == CsvLayout::kIgnored && columns[k].number >= 0 ? likely_signal(columns[k]) : -1;
     if (meant < 0 || layout.has_signal[meant]) continue;
-    throw InvalidInput(text(where, ":", column + 1, ": found column '", layout.names[column],
+    throw InvalidInput(text(where, ":", k + 1, ": found column '", layout.names[k],
                             "' and no ", kRecordingSignals[meant].name, ", expected '",
-                            kRecordingSignals[meant].name, std::max(name.number, 1),
+                            kRecordingSignals[meant].name, std::max(columns[k].number, 1),
                             "' (rename the column if it is something else)."));
   }
 }
@@ -86,7 +80,7 @@ int joints_of(int signal, const std::vector<ColumnName>& columns, const std::str
   const std::string name = kRecordingSignals[signal].name;
   std::vector<int> numbers;
   for (const ColumnName& column : columns) {
-    if (column.base == name && column.number >= 0) numbers.push_back(column.number);
+    if (column.signal == signal && column.number >= 0) numbers.push_back(column.number);
   }
   std::sort(numbers.begin(), numbers.end());
   for (std::size_t k = 0; k < numbers.size(); ++k) {
@@ -102,19 +96,35 @@ int joints_of(int signal, const std::vector<ColumnName>& columns, const std::str
 }
 
 // Determines the number of joints from q; all other signals must agree.
-void count_joints(const std::vector<ColumnName>& columns, const std::string& where,
-                  CsvLayout* layout) {
-  std::vector<int> joints(kSignals);
-  for (int s = 0; s < kSignals; ++s) {
-    joints[s] = joints_of(s, columns, where);
-    layout->has_signal[s] = joints[s] > 0;
-  }
+void count_joints(const std::vector<ColumnName>& columns, const std::string& where, CsvLayout* layout) {
+  std::vector<int> joints;
+  for (int s = 0; s < kSignals; ++s) joints.push_back(joints_of(s, columns, where));
   layout->joints = joints[0];
-  for (int s = 1; s < kSignals && joints[0] > 0; ++s) {
-    require(joints[s] == 0 || joints[s] == joints[0], where, ": found ", joints[0],
+  for (int s = 0; s < kSignals; ++s) {
+    layout->has_signal.push_back(joints[s] > 0);
+    require(joints[0] == 0 || joints[s] == 0 || joints[s] == joints[0], where, ": found ", joints[0],
             " joints in q but ", joints[s], " in ", kRecordingSignals[s].name,
             ", expected the same number in each signal.");
   }
+}
+
+// The names of all columns that are given as "t,q,dq,tau".
+std::vector<std::string> names_of_columns(const std::vector<std::string>& columns, std::size_t fields, const std::string& where) {
+  const bool has_time = columns.front() == "t";
+  for (auto name = columns.begin() + (has_time ? 1 : 0); name != columns.end(); ++name) {
+    require(signal_index(*name) >= 0, "--columns: found '", *name, "', expected q, dq, ddq, tau or i (t only as the first).");
+    require(std::find(columns.begin(), name, *name) == name, "--columns: found '", *name, "' twice, expected it once.");
+  }
+  require(std::find(columns.begin(), columns.end(), "q") != columns.end(), "--columns: found no q, expected positions among the signals.");
+  const std::size_t signals = columns.size() - (has_time ? 1 : 0), values = fields - (has_time ? 1 : 0);
+  require(values >= signals && values % signals == 0, where, ": found ", fields,
+          " columns, expected ", has_time ? "t and then " : "", "the same number of joints for each of the ", signals, " signals of --columns.");
+  std::vector<std::string> names;
+  for (const std::string& column : columns) {
+    if (column == "t") names.push_back(column);
+    for (std::size_t joint = 1; joint <= values / signals && column != "t"; ++joint) names.push_back(text(column, joint));
+  }
+  return names;
 }
 
 }  // namespace
@@ -194,22 +204,17 @@ CsvLayout layout_from_header(std::string_view header, const std::string& where) 
   CsvLayout layout;
   layout.separator = csv_separator(header);
   layout.names = csv_fields(header, layout.separator);
-  layout.has_signal.assign(kSignals, false);
-  layout.slots.assign(layout.names.size(), CsvLayout::kIgnored);
   std::vector<ColumnName> columns;
-  for (const std::string& name : layout.names) columns.push_back(split(name));
+  for (const std::string& name : layout.names) columns.push_back(column_name(name));
   count_joints(columns, where, &layout);
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    const int signal = signal_index(columns[k].base);
-    if (layout.names[k] == "t") {
-      require(!layout.has_time, where, ":", k + 1, ": found column t twice, expected it once.");
-      layout.has_time = true;
-      layout.slots[k] = CsvLayout::kTime;
-    } else if (signal >= 0 && columns[k].number >= 1) {
-      layout.slots[k] = layout.slot(signal, columns[k].number - 1);
-    }
+    const bool is_time = layout.names[k] == "t";
+    require(!is_time || !layout.has_time, where, ":", k + 1, ": found column t twice, expected it once.");
+    layout.has_time = layout.has_time || is_time;
+    const bool is_signal = columns[k].signal >= 0 && columns[k].number >= 1;
+    layout.slots.push_back(is_time ? CsvLayout::kTime : is_signal ? layout.slot(columns[k].signal, columns[k].number - 1) : CsvLayout::kIgnored);
   }
-  suggest_missing(layout, where);
+  suggest_missing(layout, columns, where);
   require(layout.joints > 0, where, ": found columns ", first_names(layout.names),
           ", expected a header with t and q1 to qn.");
   return layout;
@@ -217,36 +222,16 @@ CsvLayout layout_from_header(std::string_view header, const std::string& where) 
 
 CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,
                               const std::string& where) {
-  CsvLayout layout;
-  layout.separator = csv_separator(first_row);
-  layout.has_signal.assign(kSignals, false);
-  layout.has_time = columns.front() == "t";
-  std::vector<int> signals;
-  for (std::size_t k = layout.has_time ? 1 : 0; k < columns.size(); ++k) {
-    signals.push_back(signal_index(columns[k]));
-    require(signals.back() >= 0, "--columns: found '", columns[k],
-            "', expected q, dq, ddq, tau or i (t only as the first).");
-    require(!layout.has_signal[signals.back()], "--columns: found '", columns[k],
-            "' twice, expected it once.");
-    layout.has_signal[signals.back()] = true;
-  }
-  require(layout.has_signal[0], "--columns: found no q, expected positions among the signals.");
-  const std::size_t fields = csv_fields(first_row, layout.separator).size();
-  const std::size_t values = fields - (layout.has_time ? 1 : 0);
-  require(values >= signals.size() && values % signals.size() == 0, where, ": found ", fields,
-          " columns, expected ", layout.has_time ? "t and then " : "",
-          "the same number of joints for each of the ", signals.size(), " signals of --columns.");
-  layout.joints = static_cast<int>(values / signals.size());
-  if (layout.has_time) {
-    layout.slots.push_back(CsvLayout::kTime);
-    layout.names.push_back("t");
-  }
-  for (const int signal : signals) {
-    for (int joint = 0; joint < layout.joints; ++joint) {
-      layout.slots.push_back(layout.slot(signal, joint));
-      layout.names.push_back(text(kRecordingSignals[signal].name, joint + 1));
-    }
-  }
+  const char separator = csv_separator(first_row);
+  const std::size_t fields = csv_fields(first_row, separator).size();
+  const bool each_joint = std::any_of(columns.begin(), columns.end(), [](const std::string& name) {
+    return !name.empty() && is_number(name.substr(name.size() - 1));
+  });
+  std::string header;
+  for (const std::string& name : each_joint ? columns : names_of_columns(columns, fields, where)) header += (header.empty() ? "" : ",") + name;
+  require(!each_joint || fields == columns.size(), where, ": found ", fields, " columns, expected the ", columns.size(), " of --columns ", header, ".");
+  CsvLayout layout = layout_from_header(header, where);
+  layout.separator = separator;
   return layout;
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
-#include "recordings/csv/csv_lines.hpp"
+#include <optional>
+
+#include "recordings/csv/csv_header.hpp"
 #include "recordings/signals/raw_recording.hpp"
-#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
 
@@ -15,10 +16,9 @@ namespace veridyn::recordings {
 /// named in a column's name or in a second line of units, are converted to SI. Numbers may have a decimal
 /// comma if the columns are separated by another character.
 /// @throws InvalidInput  rows of different length, text in a column of a joint signal, no time.
-RawRecording read_csv_table(CsvLines lines, const RecordingOptions& options);
+RawRecording read_csv_table(CsvLines lines, CsvHeader header, const RecordingOptions& options);
 
-/// True if the first line of a text file is a header for read_csv_table() and not that of a plain
-/// recording (t, q1..qn). Rewinds the lines.
-bool is_csv_table(CsvLines& lines, const RecordingOptions& options);
+/// The header of a text file for read_csv_table(), or nullopt for a plain recording (t, q1..qn), whose lines are rewound.
+std::optional<CsvHeader> table_header(CsvLines& lines, const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

@@ -4,36 +4,55 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <limits>
+#include <map>
+#include <set>
 
+#include "math/median.hpp"
 #include "recordings/signals/joint_fields.hpp"
+#include "recordings/signals/units.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
 constexpr std::int64_t kSecond = 1000000000;
 
+// [ns] the unit that a word names, or 0.
 std::int64_t unit_in_nanoseconds(const std::string& word) {
-  if (word == "ns" || word == "nsec" || word == "nsecs" || word == "nanoseconds") return 1;
-  if (word == "us" || word == "usec" || word == "microseconds") return 1000;
-  if (word == "ms" || word == "msec" || word == "millis" || word == "milliseconds") return 1000000;
-  if (word == "s" || word == "sec" || word == "secs" || word == "seconds") return kSecond;
-  return 0;
+  static const std::map<std::string, std::int64_t> kUnits = {
+      {"ns", 1}, {"nsec", 1}, {"nsecs", 1}, {"nanoseconds", 1},
+      {"us", 1000}, {"usec", 1000}, {"microseconds", 1000},
+      {"ms", 1000000}, {"msec", 1000000}, {"millis", 1000000}, {"milliseconds", 1000000},
+      {"s", kSecond}, {"sec", kSecond}, {"secs", kSecond}, {"seconds", kSecond}};
+  const auto found = kUnits.find(word);
+  return found == kUnits.end() ? 0 : found->second;
 }
 
 bool is_time_word(const std::string& word) {
-  return word == "time" || word == "t" || word == "timestamp" || word == "stamp" ||
-         word == "times" || word == "clock" || word == "timestamps" || word == "zeit";
+  static const std::set<std::string> kWords = {"time", "t", "timestamp", "stamp", "times", "clock", "timestamps", "zeit"};
+  return kWords.count(word) > 0;
 }
 
 // Score of a column name as the name of a clock; 0: it is none.
 int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
-  bool time = false;
-  for (const std::string& word : words) time = time || is_time_word(word);
   const bool only_unit = words.size() == 1 && unit_in_nanoseconds(words[0]) != 0;
-  if (!time && !only_unit) return 0;
+  if (!only_unit && std::none_of(words.begin(), words.end(), is_time_word)) return 0;
   return 10 - static_cast<int>(words.size());
+}
+
+std::int64_t likely_unit(const std::vector<double>& first_times, bool whole_numbers) {
+  const double first = first_times.front();
+  if (first > 1e17) return 1;
+  if (first > 1e14) return 1000;
+  if (first > 1e11) return 1000000;
+  if (first > 1e8 || !whole_numbers) return kSecond;
+  const double step = median_step(first_times);
+  if (step >= 1e5) return 1;  // steps of 10 kHz and slower in ns
+  if (step >= 100.0) return 1000;
+  return step >= 1.0 ? 1000000 : kSecond;
 }
 
 }  // namespace
@@ -78,15 +97,16 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
   return columns;
 }
 
-std::int64_t likely_time_unit(double first, double median_step, bool whole_numbers) {
-  if (first > 1e17) return 1;
-  if (first > 1e14) return 1000;
-  if (first > 1e11) return 1000000;
-  if (first > 1e8) return kSecond;
-  if (!whole_numbers) return kSecond;
-  if (median_step >= 1e5) return 1;     // steps of 10 kHz and slower in ns
-  if (median_step >= 100.0) return 1000;
-  return median_step >= 1.0 ? 1000000 : kSecond;
+std::int64_t time_unit(const SignalChoice& choice, std::int64_t named, const std::vector<double>& first_times, bool whole_numbers,
+                       std::vector<std::string>* remarks) {
+  const auto given = choice.units.find("t");
+  if (given != choice.units.end()) return std::llround(unit_factor("t", given->second).value_or(1.0) * kSecond);
+  if (named != 0) return named;
+  const std::int64_t unit = first_times.size() < 2 ? kSecond : likely_unit(first_times, whole_numbers);
+  if (unit != kSecond)
+    remarks->push_back(text("times are taken for ", unit == 1 ? "nanoseconds" : unit == 1000 ? "microseconds" : "milliseconds",
+                            " by their size (--units t=s says otherwise)."));
+  return unit;
 }
 
 std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
@@ -123,12 +143,11 @@ std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
     zone = sign * (60 * hours + minutes);
   }
   if (p != end) return std::nullopt;
-  // Days since 1970 of the Gregorian calendar; years begin in March, so that leap days come last.
-  const std::int64_t y = month > 2 ? year : year - 1;
-  const std::int64_t era = y / 400, of_era = y % 400;
-  const std::int64_t of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
-  const std::int64_t days = era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
-  return (((days * 24 + hour) * 60 + minute - zone) * 60 + second) * kSecond + fraction;
+  std::tm date{};
+  date.tm_year = static_cast<int>(year - 1900);
+  date.tm_mon = static_cast<int>(month - 1);
+  date.tm_mday = static_cast<int>(day);
+  return (timegm(&date) + ((hour * 60 + minute - zone) * 60 + second)) * kSecond + fraction;
 }
 
 std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64_t unit) {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "veridyn/recordings/signal_choice.hpp"
+
 namespace veridyn::recordings {
 
 /// Advice at the end of a message about times that do not increase.
@@ -22,9 +24,15 @@ struct TimeColumns {
 /// @param wanted  the column chosen by the user; empty: found by name.
 TimeColumns time_columns(const std::vector<std::string>& names, const std::string& wanted);
 
-/// The plausible unit [ns] of these times: nanoseconds (or micro-, milliseconds) since 1970 by their
-/// magnitude; milliseconds for whole numbers with steps of 1 or more; else seconds.
-std::int64_t likely_time_unit(double first, double median_step, bool whole_numbers);
+/// First times of a clock that time_unit() uses.
+inline constexpr std::size_t kTimesForUnit = 400;
+
+/// The unit [ns] of a clock: given by --units, or `named` by the file, or the plausible one of the first times,
+/// with a remark: nanoseconds (or micro-, milliseconds) since 1970 by their magnitude; milliseconds for whole
+/// numbers with steps of 1 or more; else seconds.
+/// @param named  0: the file does not say it.
+std::int64_t time_unit(const SignalChoice& choice, std::int64_t named, const std::vector<double>& first_times, bool whole_numbers,
+                       std::vector<std::string>* remarks);
 
 /// Nanoseconds since 1970 of "2025-05-28 12:00:46.628", "2025-05-28T12:00:46,628Z", "2025/05/28 12:00:46+02:00", or since
 /// midnight of "12:00:46.628"; nullopt for other text.

@@ -4,8 +4,10 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "recordings/fields/choose_fields.hpp"
+#include "files/words.hpp"
 #include "math/median.hpp"
 #include "model/suggestion.hpp"
 #include "recordings/fields/import.hpp"
@@ -67,8 +69,8 @@ VectorXd interpolated(const RawStream& stream, std::size_t field, const StreamCl
 
 class Assembler {
  public:
-  Assembler(const RawRecording& raw, const std::string& path, const SignalChoice& choice)
-      : raw_(raw), path_(path), choice_(choice), chosen_(choose_fields(raw, path, choice)) {}
+  Assembler(RawRecording raw, const std::string& path, const SignalChoice& choice)
+      : raw_(std::move(raw)), path_(path), choice_(choice), chosen_(choose_fields(raw_, path, choice)) {}
 
   Imported assemble() {
     const int base = base_stream(raw_, chosen_);
@@ -110,21 +112,16 @@ class Assembler {
     const RawStream& stream = raw_.streams[place.stream];
     const auto field = static_cast<std::size_t>(place.field);
     const StreamClock& own = clock_of_stream(base);
-    if (place.stream != base) {
-      others_.insert(place.stream);
-      // Recording times lag behind the stamps by the usual delay of the base.
-      const StreamClock& other = clock_of_stream(place.stream);
-      const bool own_stamps = own.recorded_after != 0;
-      const bool other_stamps = other.recorded_after != 0;
-      const std::int64_t shift = own_stamps && !other_stamps   ? own.recorded_after
-                                 : !own_stamps && other_stamps ? -other.recorded_after
-                                                               : 0;
-      return interpolated(stream, field, other, shift, own.time);
-    }
-    VectorXd out(own.rows.size());
-    for (std::size_t k = 0; k < own.rows.size(); ++k)
-      out[static_cast<Eigen::Index>(k)] = stream.at(own.rows[k], field);
-    return out;
+    if (place.stream == base) return VectorXd::NullaryExpr(own.rows.size(), [&](Eigen::Index k) { return stream.at(own.rows[k], field); });
+    others_.insert(place.stream);
+    // Recording times lag behind the stamps by the usual delay of the base.
+    const StreamClock& other = clock_of_stream(place.stream);
+    const bool own_stamps = own.recorded_after != 0;
+    const bool other_stamps = other.recorded_after != 0;
+    const std::int64_t shift = own_stamps && !other_stamps   ? own.recorded_after
+                               : !own_stamps && other_stamps ? -other.recorded_after
+                                                             : 0;
+    return interpolated(stream, field, other, shift, own.time);
   }
 
   // (rows x joints), or empty if the file lacks the signal.
@@ -145,13 +142,12 @@ class Assembler {
       const UnitScale scale = scale_for(choice_, name, static_cast<int>(j) + 1);
       values.col(static_cast<Eigen::Index>(j)) = scale.changes_nothing() ? one : VectorXd(one.unaryExpr(scale));
     }
-    const bool empty = std::any_of(chosen_.places.begin(), chosen_.places.end(), [signal](const auto& places) { return places[signal].has_value(); });
-    if (values.size() == 0 && empty) facts->remarks.push_back(text(name, " of ", listed(missing), " holds no number in any row."));
-    if (values.size() > 0 && !missing.empty()) {
-      std::string joints;
-      for (const std::string& joint : missing) joints += (joints.empty() ? "" : ", ") + joint;
+    if (values.size() == 0) {
+      const bool in_file = std::any_of(chosen_.places.begin(), chosen_.places.end(), [signal](const auto& places) { return places[signal].has_value(); });
+      if (in_file) facts->remarks.push_back(text(name, " of ", listed(missing), " holds no number in any row."));
+    } else if (!missing.empty()) {
       const bool can_do_without = signal == 1 || signal == 2;
-      facts->remarks.push_back(text("the recording has no ", name, " of ", joints,
+      facts->remarks.push_back(text("the recording has no ", name, " of ", joined(missing),
                                     can_do_without ? ": that of the other joints is left out, too."
                                                    : ": these rows are gaps."));
       if (can_do_without) values.resize(0, 0);
@@ -171,31 +167,28 @@ class Assembler {
     facts->joints = chosen_.joints;
     for (std::size_t j = 0; j < choice_.joints.size() && j < chosen_.recorded.size(); ++j)
       facts->matched.push_back({choice_.joints[j].name, chosen_.recorded[j]});
-    for (const RawTopic& topic : raw_.topics) {
-      TopicFacts t;
-      t.name = topic.name;
-      t.type = topic.type;
-      t.messages = topic.messages;
-      t.undecoded = topic.undecoded;
-      if (topic.messages > 1 && topic.last > topic.first)
-        t.rate = static_cast<double>(topic.messages - 1) / (static_cast<double>(topic.last - topic.first) * 1e-9);
-      for (std::size_t s = 0; s < raw_.streams.size(); ++s) {
-        if (raw_.streams[s].topic != topic.name) continue;
-        t.used = t.used || uses(static_cast<int>(s));
-        for (const RawField& field : raw_.streams[s].fields) {
-          if (field.signal >= 0 && std::find(t.joints.begin(), t.joints.end(), field.joint) == t.joints.end())
-            t.joints.push_back(field.joint);
-        }
+    for (const RawTopic& topic : raw_.topics) facts->topics.push_back(facts_of(topic));
+    const std::vector<std::string> of_signals = std::exchange(facts->remarks, raw_.remarks);
+    const auto add = [facts](const std::vector<std::string>& more) { facts->remarks.insert(facts->remarks.end(), more.begin(), more.end()); };
+    add(chosen_.remarks);
+    add(clock_of_stream(base).remarks);
+    add(of_signals);
+    for (const int stream : others_) remark_on_slower_stream(stream, base, &facts->remarks);
+  }
+
+  TopicFacts facts_of(const RawTopic& topic) const {
+    TopicFacts t{topic.name, topic.type, topic.messages, 0.0, {}, false, topic.undecoded};
+    if (topic.messages > 1 && topic.last > topic.first)
+      t.rate = static_cast<double>(topic.messages - 1) / (static_cast<double>(topic.last - topic.first) * 1e-9);
+    for (std::size_t s = 0; s < raw_.streams.size(); ++s) {
+      if (raw_.streams[s].topic != topic.name) continue;
+      t.used = t.used || !joints_on(static_cast<int>(s)).empty();
+      for (const RawField& field : raw_.streams[s].fields) {
+        if (field.signal >= 0 && std::find(t.joints.begin(), t.joints.end(), field.joint) == t.joints.end())
+          t.joints.push_back(field.joint);
       }
-      facts->topics.push_back(std::move(t));
     }
-    std::vector<std::string> remarks = raw_.remarks;
-    remarks.insert(remarks.end(), chosen_.remarks.begin(), chosen_.remarks.end());
-    const std::vector<std::string>& clock = clock_of_stream(base).remarks;
-    remarks.insert(remarks.end(), clock.begin(), clock.end());
-    remarks.insert(remarks.end(), facts->remarks.begin(), facts->remarks.end());
-    for (const int stream : others_) remark_on_slower_stream(stream, base, &remarks);
-    facts->remarks = std::move(remarks);
+    return t;
   }
 
   // Remarks on a stream of a lower rate, which has no higher frequencies, whatever the rate of the rows.
@@ -203,27 +196,23 @@ class Assembler {
     const double step = 1e-9 * static_cast<double>(median_step(clock_of_stream(stream).time));
     const double own = 1e-9 * static_cast<double>(median_step(clock_of_stream(base).time));
     if (!(step > kSlower * own)) return;
+    const std::string& topic = raw_.streams[stream].topic;
+    remarks->push_back(text(topic.empty() ? "" : topic + ": ", "signals of ", listed(joints_on(stream)), " come every ", 1e3 * step,
+                            " ms, and are interpolated at rows every ", 1e3 * own, " ms."));
+  }
+
+  // Joints with a signal in a stream.
+  std::vector<std::string> joints_on(int stream) const {
     std::vector<std::string> joints;
     for (std::size_t j = 0; j < chosen_.places.size(); ++j) {
       const auto& places = chosen_.places[j];
       const bool here = std::any_of(places.begin(), places.end(), [&](const auto& place) { return place && place->stream == stream; });
       if (here) joints.push_back(chosen_.joints[j]);
     }
-    const std::string& topic = raw_.streams[stream].topic;
-    remarks->push_back(text(topic.empty() ? "" : topic + ": ", "signals of ", listed(joints), " come every ", 1e3 * step,
-                            " ms, and are interpolated at rows every ", 1e3 * own, " ms."));
+    return joints;
   }
 
-  bool uses(int stream) const {
-    for (const auto& places : chosen_.places) {
-      for (const std::optional<FieldPlace>& place : places) {
-        if (place && place->stream == stream) return true;
-      }
-    }
-    return false;
-  }
-
-  const RawRecording& raw_;
+  RawRecording raw_;
   const std::string& path_;
   const SignalChoice& choice_;
   ChosenFields chosen_;
@@ -233,9 +222,9 @@ class Assembler {
 
 }  // namespace
 
-Imported assemble(const RawRecording& raw, const std::string& path, const SignalChoice& choice) {
+Imported assemble(RawRecording raw, const std::string& path, const SignalChoice& choice) {
   require_known_units(choice);
-  return Assembler(raw, path, choice).assemble();
+  return Assembler(std::move(raw), path, choice).assemble();
 }
 
 }  // namespace veridyn::recordings

@@ -1,8 +1,8 @@
 #include "recordings/fields/choose_fields.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -17,6 +17,12 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr int kQ = 0, kTau = 3, kCurrent = 4;
+constexpr std::size_t kNamed = 12;  // largest number of names in a message
+
+template <typename List, typename Value>
+bool contains(const List& list, const Value& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
 
 // Joints of a topic that have a position, in the order of first appearance; numbers as names are sorted by
 // value.
@@ -25,9 +31,7 @@ std::vector<std::string> joints_with_position(const RawRecording& raw, const std
   for (const RawStream& stream : raw.streams) {
     if (stream.topic != topic || stream.rows() == 0) continue;
     for (const RawField& field : stream.fields) {
-      if (field.signal != kQ) continue;
-      if (std::find(joints.begin(), joints.end(), field.joint) == joints.end())
-        joints.push_back(field.joint);
+      if (field.signal == kQ && !contains(joints, field.joint)) joints.push_back(field.joint);
     }
   }
   if (std::all_of(joints.begin(), joints.end(), is_number)) {
@@ -41,43 +45,25 @@ std::vector<std::string> joints_with_position(const RawRecording& raw, const std
 // The longest stream of the topic that has this signal of the joint.
 std::optional<FieldPlace> place_of(const RawRecording& raw, const std::string& topic, const std::string& joint,
                     int signal) {
-  std::optional<FieldPlace> best;
-  std::size_t rows = 0;
-  for (std::size_t s = 0; s < raw.streams.size(); ++s) {
-    const RawStream& stream = raw.streams[s];
-    if (stream.topic != topic || stream.rows() <= rows) continue;
-    for (std::size_t f = 0; f < stream.fields.size(); ++f) {
-      if (stream.fields[f].signal != signal || stream.fields[f].joint != joint) continue;
-      best = FieldPlace{static_cast<int>(s), static_cast<int>(f)};
-      rows = stream.rows();
-    }
-  }
-  return best;
+  return longest_field(raw, [&](const RawStream& stream, const RawField& field) {
+    return stream.topic == topic && field.signal == signal && field.joint == joint;
+  });
 }
 
-std::vector<std::string> topics_of(const RawRecording& raw, const SignalChoice& choice) {
-  std::vector<std::string> topics;
+// Adds the topics of all streams to those that are known already.
+std::vector<std::string> with_streams(std::vector<std::string> topics, const RawRecording& raw) {
   for (const RawStream& stream : raw.streams) {
-    const bool wanted = choice.topics.empty() || std::find(choice.topics.begin(),
-                                                           choice.topics.end(),
-                                                           stream.topic) != choice.topics.end();
-    if (wanted && std::find(topics.begin(), topics.end(), stream.topic) == topics.end())
-      topics.push_back(stream.topic);
+    if (!contains(topics, stream.topic)) topics.push_back(stream.topic);
   }
   return topics;
 }
 
 void require_topics(const RawRecording& raw, const std::string& path, const SignalChoice& choice) {
-  if (choice.topics.empty()) return;
   std::vector<std::string> known;
   for (const RawTopic& topic : raw.topics) known.push_back(topic.name);
-  for (const RawStream& stream : raw.streams) {
-    if (std::find(known.begin(), known.end(), stream.topic) == known.end())
-      known.push_back(stream.topic);
-  }
+  known = with_streams(std::move(known), raw);
   for (const std::string& topic : choice.topics) {
-    const bool there = std::find(known.begin(), known.end(), topic) != known.end();
-    require(there, path, ": found no topic ", topic, did_you_mean(topic, known), ", expected one of: ",
+    require(contains(known, topic), path, ": found no topic ", topic, did_you_mean(topic, known), ", expected one of: ",
             listed(known), ".");
     for (const RawTopic& t : raw.topics) {
       require(t.name != topic || t.undecoded.empty(), path, ": topic ", topic, " (", t.type,
@@ -99,6 +85,12 @@ int rank_of(const std::string& topic) {
   return rank;
 }
 
+std::vector<std::string> names_of(const std::vector<WantedJoint>& joints) {
+  std::vector<std::string> names;
+  for (const WantedJoint& joint : joints) names.push_back(joint.name);
+  return names;
+}
+
 struct Candidate {
   std::string topic;
   std::vector<std::string> recorded;  // joints with a position
@@ -115,23 +107,20 @@ Candidate candidate_of(const RawRecording& raw, const std::string& topic,
   c.topic = topic;
   c.recorded = joints_with_position(raw, topic);
   c.rank = rank_of(topic);
-  std::vector<std::string> wanted;
-  for (const WantedJoint& joint : choice.joints) wanted.push_back(joint.name);
-  if (wanted.empty()) {
-    c.matched = static_cast<int>(c.recorded.size());
-    for (int k = 0; k < c.matched; ++k) c.match.push_back(k);
-  } else {
-    try {
-      c.match = match_joints(wanted, c.recorded, renamed);
-    } catch (const InvalidInput& error) {
-      c.problem = error.what();
-      c.match.assign(wanted.size(), -1);
-    }
-    c.matched = static_cast<int>(std::count_if(c.match.begin(), c.match.end(), [](int k) { return k >= 0; }));
+  try {
+    c.match = match_joints(names_of(choice.joints), c.recorded, renamed);
+  } catch (const InvalidInput& error) {
+    c.problem = error.what();
+    c.match.assign(choice.joints.size(), -1);
   }
-  for (const std::string& joint : c.recorded)
-    c.efforts = c.efforts || place_of(raw, topic, joint, kTau) ||
-                place_of(raw, topic, joint, kCurrent);
+  if (choice.joints.empty()) {
+    c.match.resize(c.recorded.size());
+    std::iota(c.match.begin(), c.match.end(), 0);
+  }
+  c.matched = static_cast<int>(std::count_if(c.match.begin(), c.match.end(), [](int k) { return k >= 0; }));
+  c.efforts = std::any_of(c.recorded.begin(), c.recorded.end(), [&](const std::string& joint) {
+    return place_of(raw, topic, joint, kTau) || place_of(raw, topic, joint, kCurrent);
+  });
   return c;
 }
 
@@ -152,9 +141,7 @@ std::string found_joints_text(const RawRecording& raw) {
       for (const RawField& field : stream.fields) words.push_back(field.path);
     }
   }
-  const std::size_t all = words.size();
-  if (all > 12) words.resize(12);
-  return listed(words) + (all > 12 ? text(", ... (", all, ")") : "");
+  return first_listed(std::move(words));
 }
 
 Candidate best_candidate(const RawRecording& raw, const std::string& path,
@@ -162,7 +149,8 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
                          const std::map<std::string, std::string>& renamed,
                          std::vector<std::string>* remarks) {
   std::vector<Candidate> candidates;
-  for (const std::string& topic : topics_of(raw, choice)) {
+  for (const std::string& topic : with_streams({}, raw)) {
+    if (!choice.topics.empty() && !contains(choice.topics, topic)) continue;
     Candidate candidate = candidate_of(raw, topic, choice, renamed);
     if (!candidate.recorded.empty()) candidates.push_back(std::move(candidate));
   }
@@ -185,56 +173,52 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
   return first;
 }
 
-// Adds the efforts of a separate topic with as many numbers as joints and a matching name.
-void add_separate_efforts(const RawRecording& raw, const std::vector<std::string>& taken_topics,
-                          ChosenFields* chosen) {
-  const auto lacks = [&](int signal) {
-    return std::none_of(chosen->places.begin(), chosen->places.end(),
-                        [&](const auto& p) { return p[signal].has_value(); });
-  };
-  if (!lacks(kTau) || !lacks(kCurrent)) return;
-  const std::size_t n = chosen->joints.size();
-  for (const RawStream& stream : raw.streams) {  // the same joints on another topic
-    if (stream.topic == taken_topics.front() || rank_of(stream.topic) > 1) continue;
-    for (std::size_t j = 0; j < n; ++j)
-      chosen->places[j][kTau] = place_of(raw, stream.topic, chosen->recorded[j], kTau);
-    if (std::all_of(chosen->places.begin(), chosen->places.end(),
-                    [](const auto& p) { return p[kTau].has_value(); })) {
+// The signal that the name of a topic of plain numbers means, or -1.
+int effort_signal_of(const std::string& topic) {
+  static const std::map<std::string, int> kWords = {{"effort", kTau},  {"efforts", kTau},     {"torque", kTau},
+                                                    {"torques", kTau}, {"current", kCurrent}, {"currents", kCurrent}};
+  int signal = -1;
+  for (const std::string& word : words_of(topic)) {
+    const auto found = kWords.find(word);
+    if (found != kWords.end()) signal = found->second;
+  }
+  return signal;
+}
+
+// Adds the efforts of a separate topic: of the same joints, or with as many numbers as joints and a matching name.
+void add_separate_efforts(const RawRecording& raw, const std::string& taken, ChosenFields* chosen) {
+  const auto has = [&](int signal) { return [signal](const auto& places) { return places[signal].has_value(); }; };
+  auto& places = chosen->places;
+  if (std::any_of(places.begin(), places.end(), has(kTau)) || std::any_of(places.begin(), places.end(), has(kCurrent))) return;
+  for (const RawStream& stream : raw.streams) {
+    if (stream.topic == taken || rank_of(stream.topic) > 1) continue;
+    for (std::size_t j = 0; j < places.size(); ++j) places[j][kTau] = place_of(raw, stream.topic, chosen->recorded[j], kTau);
+    if (std::all_of(places.begin(), places.end(), has(kTau))) {
       chosen->remarks.push_back(text("torques are taken from ", stream.topic, "."));
       return;
     }
-    for (auto& place : chosen->places) place[kTau] = {};
+    for (auto& place : places) place[kTau] = {};
   }
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
     const RawStream& stream = raw.streams[s];
-    if (std::find(taken_topics.begin(), taken_topics.end(), stream.topic) != taken_topics.end())
-      continue;
-    if (stream.topic.empty() || rank_of(stream.topic) > 1) continue;
-    int signal = -1;
-    for (const std::string& word : words_of(stream.topic)) {
-      if (word == "effort" || word == "efforts" || word == "torque" || word == "torques")
-        signal = kTau;
-      if (word == "current" || word == "currents") signal = kCurrent;
-    }
-    std::vector<int> fields;
+    const int signal = stream.topic == taken || stream.topic.empty() || rank_of(stream.topic) > 1 ? -1 : effort_signal_of(stream.topic);
+    std::vector<FieldPlace> numbers;
     for (std::size_t f = 0; f < stream.fields.size(); ++f) {
-      if (stream.fields[f].path.rfind("data/", 0) == 0) fields.push_back(static_cast<int>(f));
+      if (starts_with(stream.fields[f].path, "data/")) numbers.push_back({static_cast<int>(s), static_cast<int>(f)});
     }
-    if (signal < 0 || fields.size() != n) continue;
-    for (std::size_t j = 0; j < n; ++j)
-      chosen->places[j][signal] = {static_cast<int>(s), fields[j]};
-    chosen->remarks.push_back(text(signal == kTau ? "torques" : "currents", " are taken from ",
-                                   stream.topic, ", its ", n, " numbers in the order of the joints."));
+    if (signal < 0 || numbers.size() != places.size()) continue;
+    for (std::size_t j = 0; j < places.size(); ++j) places[j][signal] = numbers[j];
+    chosen->remarks.push_back(text(signal == kTau ? "torques" : "currents", " are taken from ", stream.topic, ", its ", places.size(),
+                                   " numbers in the order of the joints."));
     return;
   }
 }
 
 // Throws if the file lacks joints of the arm; the message has their names and those in the file.
-void require_all_joints(const Candidate& c, const std::string& path, const SignalChoice& choice,
-                        const std::vector<char>& mapped) {
+void require_all_joints(const Candidate& c, const std::string& path, const SignalChoice& choice, const FieldMap& map) {
   std::vector<std::string> missing;
   for (std::size_t j = 0; j < choice.joints.size(); ++j) {
-    if (c.match[j] < 0 && mapped[j] == 0) missing.push_back(choice.joints[j].name);
+    if (c.match[j] < 0 && !map.place(kQ, j)) missing.push_back(choice.joints[j].name);
   }
   if (missing.empty()) return;
   const std::string& one = missing.front();
@@ -245,93 +229,83 @@ void require_all_joints(const Candidate& c, const std::string& path, const Signa
                           c.problem.empty() ? "" : " (" + c.problem + ")", "."));
 }
 
-// Columns named exactly like a joint are its positions.
-void name_bare_positions(const SignalChoice& choice, RawRecording* raw) {
-  for (const RawStream& stream : raw->streams) {
-    for (const RawField& field : stream.fields) {
-      if (field.signal == kQ) return;
-    }
+// Columns named exactly like a joint are its positions, in a table without others.
+void name_bare_positions(const SignalChoice& choice, RawRecording& raw) {
+  if (choice.joints.empty() || !raw.topics.empty()) return;
+  for (const RawStream& stream : raw.streams) {
+    if (std::any_of(stream.fields.begin(), stream.fields.end(), [](const RawField& f) { return f.signal == kQ; })) return;
   }
-  for (RawStream& stream : raw->streams) {
+  for (RawStream& stream : raw.streams) {
     std::vector<std::string> names;
     for (const RawField& field : stream.fields) names.push_back(field.path);
-    std::vector<std::string> wanted;
-    for (const WantedJoint& joint : choice.joints) wanted.push_back(joint.name);
     std::vector<int> match;
     try {
-      match = match_joints(wanted, names, {});
+      match = match_joints(names_of(choice.joints), names, {});
     } catch (const InvalidInput&) {
       continue;
     }
-    if (match.empty() || std::find(match.begin(), match.end(), -1) != match.end()) continue;
+    if (contains(match, -1)) continue;
     for (const int field : match) {
-      RawField& found = stream.fields[field];
+      RawField& found = stream.fields[static_cast<std::size_t>(field)];
       found.joint = found.path;
       found.signal = kQ;
     }
   }
 }
 
-}  // namespace
-
-ChosenFields choose_fields(const RawRecording& given, const std::string& path,
-                           const SignalChoice& choice) {
-  require_topics(given, path, choice);
-  RawRecording named;
-  const RawRecording* raw = &given;
-  if (!choice.joints.empty() && given.topics.empty()) {
-    named = given;
-    name_bare_positions(choice, &named);
-    raw = &named;
-  }
-  const FieldMap map(*raw, path, choice);
+// The columns of the topic that fits the arm best.
+ChosenFields fields_of_best_topic(const RawRecording& raw, const std::string& path, const SignalChoice& choice, const FieldMap& map) {
   ChosenFields chosen;
-  std::vector<char> mapped;
-  if (map.maps_all_positions()) {
-    // All positions are mapped, so that no topic has to be found.
-    const std::size_t n = choice.joints.empty() ? map.largest_joint() : choice.joints.size();
-    for (std::size_t j = 0; j < n; ++j) {
-      chosen.joints.push_back(choice.joints.empty() ? std::to_string(j + 1) : choice.joints[j].name);
-      chosen.recorded.push_back(chosen.joints.back());
-    }
-    chosen.places.resize(n);
-  } else {
-    const Candidate c = best_candidate(*raw, path, choice, map.renamed(), &chosen.remarks);
-    const std::size_t n = c.match.size();
-    mapped.resize(n);
-    for (std::size_t j = 0; j < n; ++j) mapped[j] = map.place(kQ, j) ? 1 : 0;
-    if (!choice.joints.empty()) require_all_joints(c, path, choice, mapped);
-    chosen.places.resize(n);
-    std::vector<std::string> topics = {c.topic};
-    for (std::size_t j = 0; j < n; ++j) {
-      const std::string recorded =
-          c.match[j] < 0 ? std::string() : c.recorded[c.match[j]];
-      chosen.recorded.push_back(recorded);
-      chosen.joints.push_back(choice.joints.empty() ? recorded : choice.joints[j].name);
-      if (recorded.empty()) continue;
-      for (int signal = 0; signal < kSignalCount; ++signal) {
-        std::optional<FieldPlace>& place = chosen.places[j][signal];
-        place = place_of(*raw, c.topic, recorded, signal);
-        // Further chosen topics provide the signals that the first one lacks.
-        for (const std::string& other : choice.topics) {
-          if (!place) place = place_of(*raw, other, recorded, signal);
-        }
+  const Candidate c = best_candidate(raw, path, choice, map.renamed, &chosen.remarks);
+  require_all_joints(c, path, choice, map);
+  // Further chosen topics provide the signals that the first one lacks.
+  std::vector<std::string> topics = {c.topic};
+  topics.insert(topics.end(), choice.topics.begin(), choice.topics.end());
+  chosen.places.resize(c.match.size());
+  for (std::size_t j = 0; j < c.match.size(); ++j) {
+    chosen.recorded.push_back(c.match[j] < 0 ? std::string() : c.recorded[c.match[j]]);
+    chosen.joints.push_back(choice.joints.empty() ? chosen.recorded[j] : choice.joints[j].name);
+    for (int signal = 0; signal < kSignalCount && !chosen.recorded[j].empty(); ++signal) {
+      for (const std::string& topic : topics) {
+        if (!chosen.places[j][signal]) chosen.places[j][signal] = place_of(raw, topic, chosen.recorded[j], signal);
       }
     }
-    if (!map.maps_signal(kTau) && !map.maps_signal(kCurrent)) add_separate_efforts(*raw, topics, &chosen);
   }
+  if (!map.maps_signal(kTau) && !map.maps_signal(kCurrent)) add_separate_efforts(raw, c.topic, &chosen);
+  return chosen;
+}
+
+// The joints of a recording whose positions are all mapped, so that no topic has to be found.
+ChosenFields mapped_joints(std::size_t joints, const SignalChoice& choice) {
+  ChosenFields chosen;
+  for (std::size_t j = 0; j < joints; ++j) chosen.joints.push_back(choice.joints.empty() ? std::to_string(j + 1) : choice.joints[j].name);
+  chosen.recorded = chosen.joints;
+  chosen.places.resize(joints);
+  return chosen;
+}
+
+}  // namespace
+
+std::string first_listed(std::vector<std::string> names) {
+  const std::size_t all = names.size();
+  names.resize(std::min(all, kNamed));
+  return listed(names) + (all > kNamed ? text(", ... (", all, ")") : "");
+}
+
+ChosenFields choose_fields(RawRecording& raw, const std::string& path, const SignalChoice& choice) {
+  require_topics(raw, path, choice);
+  name_bare_positions(choice, raw);
+  const FieldMap map = field_map(raw, path, choice);
+  const std::size_t mapped = map.mapped_joints(choice.joints.size());
+  ChosenFields chosen = mapped > 0 ? mapped_joints(mapped, choice) : fields_of_best_topic(raw, path, choice, map);
   const auto by_name = chosen.places;
-  for (const auto& [to, from] : map.taken()) {
-    require(to.second < by_name.size() && from.joint < by_name.size(), path,
-            ": --map: found joint ", std::max(to.second, from.joint) + 1, ", expected 1 to ",
-            by_name.size(), ".");
-    chosen.places[to.second][to.first] =
-        by_name[from.joint][from.signal];
+  for (const auto& [to, from] : map.taken) {
+    require(to.second < by_name.size() && from.second < by_name.size(), path, ": --map: found joint ",
+            std::max(to.second, from.second) + 1, ", expected 1 to ", by_name.size(), ".");
+    chosen.places[to.second][to.first] = by_name[from.second][from.first];
   }
-  for (std::size_t j = 0; j < chosen.places.size(); ++j) {
-    for (int signal = 0; signal < kSignalCount; ++signal) {
-      if (const auto place = map.place(signal, j)) chosen.places[j][signal] = place;
-    }
+  for (const auto& [to, place] : map.places) {
+    if (to.second < chosen.places.size()) chosen.places[to.second][to.first] = place;
   }
   return chosen;
 }

@@ -1,18 +1,20 @@
 #include "recordings/fields/field_map.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <iterator>
 
-#include "recordings/signals/joint_fields.hpp"
-#include "veridyn/math/require.hpp"
+#include "files/words.hpp"
 #include "model/suggestion.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
+constexpr std::size_t kColumnDigits = 6, kJointDigits = 4;  // largest number of digits of a column's and of a joint's number
+
 // Normalised name, in which `a[3]/b.c` and `a/3/b/c` are equal.
-std::string normalized_name(std::string name) {
+std::string normalized_name(const std::string& name) {
   std::string out;
   for (const char c : name) {
     if (c == ']') continue;
@@ -21,49 +23,36 @@ std::string normalized_name(std::string name) {
   return out;
 }
 
-std::string without_data_suffix(const std::string& name) {
-  const std::size_t data = name.rfind("/data/");
-  return data == std::string::npos ? name : name.substr(0, data) + name.substr(data + 5);
-}
-
-// All names by which --map may call a column.
+// All names by which --map may call a column: with and without its topic and `data/`.
 std::vector<std::string> names_of(const RawStream& stream, const RawField& field) {
   std::vector<std::string> names = {normalized_name(field.path)};
-  if (!stream.topic.empty()) {
-    names.push_back(normalized_name(stream.topic + "/" + field.path));
-    names.push_back(without_data_suffix("/" + names.back()).substr(1));
-  }
+  if (stream.topic.empty()) return names;
+  names.push_back(normalized_name(stream.topic + "/" + field.path));
+  std::string brief = "/" + names.back();
+  const std::size_t data = brief.rfind("/data/");
+  if (data != std::string::npos) brief.erase(data, 5);
+  names.push_back(brief.substr(1));
   return names;
 }
 
 // The number after a prefix, for example 3 in `tau_3` after `tau`; nullopt without one.
 std::optional<long> number_after_prefix(const std::string& name, const std::string& prefix) {
-  if (name.size() <= prefix.size() || name.compare(0, prefix.size(), prefix) != 0)
-    return std::nullopt;
-  std::string rest = name.substr(prefix.size());
-  while (!rest.empty() && (rest.front() == '/' || rest.front() == '_')) rest.erase(rest.begin());
-  if (rest.empty() || rest.size() > 6 || rest.find_first_not_of("0123456789") != std::string::npos)
-    return std::nullopt;
-  return std::stol(rest);
+  if (name.size() <= prefix.size() || !starts_with(name, prefix)) return std::nullopt;
+  const std::size_t digits = name.find_first_not_of("/_", prefix.size());
+  if (digits == std::string::npos || name.size() - digits > kColumnDigits || !is_number(name.substr(digits))) return std::nullopt;
+  return std::stol(name.substr(digits));
 }
 
 std::optional<FieldPlace> column(const RawRecording& raw, const std::string& source) {
-  std::optional<FieldPlace> best;
-  std::size_t rows = 0;
-  for (std::size_t s = 0; s < raw.streams.size(); ++s) {
-    for (std::size_t f = 0; f < raw.streams[s].fields.size(); ++f) {
-      const std::vector<std::string> names = names_of(raw.streams[s], raw.streams[s].fields[f]);
-      const bool same = std::find(names.begin(), names.end(), normalized_name(source)) != names.end();
-      if (!same || raw.streams[s].rows() <= rows) continue;
-      best = FieldPlace{static_cast<int>(s), static_cast<int>(f)};
-      rows = raw.streams[s].rows();
-    }
-  }
-  return best;
+  const std::string wanted = normalized_name(source);
+  return longest_field(raw, [&](const RawStream& stream, const RawField& field) {
+    const std::vector<std::string> names = names_of(stream, field);
+    return std::find(names.begin(), names.end(), wanted) != names.end();
+  });
 }
 
 // Columns whose names are the source followed by a number, in the order of these numbers.
-std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& source) {
+std::map<long, FieldPlace> columns(const RawRecording& raw, const std::string& source) {
   std::map<long, FieldPlace> found;
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
     for (std::size_t f = 0; f < raw.streams[s].fields.size(); ++f) {
@@ -73,19 +62,7 @@ std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& sour
       }
     }
   }
-  std::vector<FieldPlace> out;
-  for (const auto& [number, place] : found) out.push_back(place);
-  return out;
-}
-
-// On a topic with named joints, the caller finds this signal of each joint.
-std::vector<std::string> all_columns(const RawRecording& raw) {
-  std::vector<std::string> names;
-  for (const RawStream& stream : raw.streams) {
-    for (const RawField& field : stream.fields)
-      names.push_back(stream.topic.empty() ? field.path : stream.topic + "/" + field.path);
-  }
-  return names;
+  return found;
 }
 
 struct Key {
@@ -93,13 +70,14 @@ struct Key {
   std::size_t joint = 0;  // from 1; 0: all
 };
 
+// The signal that a key such as `tau1` or `tau` means.
 std::optional<Key> key_of(const std::string& text) {
   const std::size_t digits = text.find_last_not_of("0123456789") + 1;
+  const std::string number = text.substr(digits);
   for (int signal = 0; signal < kSignalCount; ++signal) {
     if (text.substr(0, digits) != kRecordingSignals[signal].name) continue;
-    if (digits == text.size()) return Key{signal, 0};
-    if (text.size() - digits > 4) return std::nullopt;
-    const auto joint = static_cast<std::size_t>(std::stoul(text.substr(digits)));
+    if (number.empty()) return Key{signal, 0};
+    const std::size_t joint = number.size() > kJointDigits ? 0 : std::stoul(number);
     if (joint > 0) return Key{signal, joint};
   }
   return std::nullopt;
@@ -107,80 +85,84 @@ std::optional<Key> key_of(const std::string& text) {
 
 [[noreturn]] void fail(const std::string& path, const std::string& key, const std::string& source,
                        const RawRecording& raw) {
-  std::vector<std::string> names = all_columns(raw);
-  const std::string guess = did_you_mean(source, names);
-  const std::size_t all = names.size();
-  if (all > 12) names.resize(12);
-  throw InvalidInput(text(path, ": --map ", key, "=", source, ": the recording has no ", source, guess,
-                          "; it has ", listed(names), all > 12 ? text(", ... (", all, ")") : "", "."));
+  std::vector<std::string> names;
+  for (const RawStream& stream : raw.streams) {
+    for (const RawField& field : stream.fields)
+      names.push_back(stream.topic.empty() ? field.path : stream.topic + "/" + field.path);
+  }
+  throw InvalidInput(text(path, ": --map ", key, "=", source, ": the recording has no ", source, did_you_mean(source, names),
+                          "; it has ", first_listed(names), "."));
+}
+
+// Resolves a source of one joint's signal.
+void map_one(const RawRecording& raw, const std::string& path, const Key& signal, const std::string& key, const std::string& source, FieldMap* map) {
+  const FieldMap::Signal at{signal.signal, signal.joint - 1};
+  const std::optional<FieldPlace> place = column(raw, source);
+  const std::optional<Key> other = key_of(source);
+  if (place) {
+    map->places[at] = *place;
+  } else if (other && other->joint > 0) {
+    map->taken[at] = {other->signal, other->joint - 1};
+  } else {
+    fail(path, key, source, raw);
+  }
+}
+
+// Resolves a source of all joints' signals, which may be the single column of a single joint.
+void map_all(const RawRecording& raw, const std::string& path, std::size_t wanted, const Key& signal, const std::string& key, const std::string& source,
+             FieldMap* map) {
+  const std::map<long, FieldPlace> found = columns(raw, source);
+  if (found.empty()) {
+    const std::optional<FieldPlace> one = column(raw, source);
+    if (!one) fail(path, key, source, raw);
+    map->places[{signal.signal, 0}] = *one;
+    return;
+  }
+  require(wanted == 0 || found.size() == wanted, path, ": --map ", key, "=", source, ": found ",
+          found.size(), " columns, expected ", wanted, ", one for each joint.");
+  std::size_t joint = 0;
+  for (const auto& [number, place] : found) map->places[{signal.signal, joint++}] = place;
 }
 
 }  // namespace
 
-FieldMap::FieldMap(const RawRecording& raw, const std::string& path, const SignalChoice& choice)
-    : wanted_(choice.joints.size()) {
+FieldMap field_map(const RawRecording& raw, const std::string& path, const SignalChoice& choice) {
+  FieldMap map;
+  std::vector<std::string> joints;
+  for (const WantedJoint& joint : choice.joints) joints.push_back(joint.name);
   for (const auto& [key, source] : choice.map) {
-    const auto joint = std::find_if(choice.joints.begin(), choice.joints.end(),
-                                    [&k = key](const WantedJoint& j) { return j.name == k; });
-    const std::optional<Key> signal = key_of(key);
     if (key == "t") continue;  // the reader of the table has used it as the time
-    if (joint != choice.joints.end()) {
-      renamed_[key] = source;
+    const std::optional<Key> signal = key_of(key);
+    if (std::find(joints.begin(), joints.end(), key) != joints.end()) {
+      map.renamed[key] = source;
     } else if (!signal) {
-      std::vector<std::string> names;
-      for (const WantedJoint& j : choice.joints) names.push_back(j.name);
-      throw InvalidInput(text("--map: found '", key,
-                              "', expected a signal as tau1 or tau, t, or a joint",
-                              names.empty() ? "" : " of " + listed(names), "."));
+      throw InvalidInput(text("--map: found '", key, "', expected a signal as tau1 or tau, t, or a joint",
+                              joints.empty() ? "" : " of " + listed(joints), "."));
     } else if (signal->joint > 0) {
-      const std::optional<FieldPlace> place = column(raw, source);
-      const std::optional<Key> other = key_of(source);
-      if (!place && other && other->joint > 0) {
-        taken_[{signal->signal, signal->joint - 1}] = {other->signal, other->joint - 1};
-        continue;
-      }
-      if (!place) fail(path, key, source, raw);
-      places_[{signal->signal, signal->joint - 1}] = *place;
+      map_one(raw, path, *signal, key, source, &map);
     } else {
-      const std::vector<FieldPlace> found = columns(raw, source);
-      const std::optional<FieldPlace> one = found.empty() ? column(raw, source) : std::nullopt;
-      if (one) {
-        places_[{signal->signal, 0}] = *one;
-        continue;
-      }
-      if (found.empty()) fail(path, key, source, raw);
-      require(wanted_ == 0 || found.size() == wanted_, path, ": --map ", key, "=", source, ": found ",
-              found.size(), " columns, expected ", wanted_, ", one for each joint.");
-      for (std::size_t j = 0; j < found.size(); ++j) places_[{signal->signal, j}] = found[j];
+      map_all(raw, path, joints.size(), *signal, key, source, &map);
     }
   }
+  return map;
 }
 
 std::optional<FieldPlace> FieldMap::place(int signal, std::size_t joint) const {
-  const auto found = places_.find({signal, joint});
-  return found == places_.end() ? std::nullopt : std::make_optional(found->second);
+  const auto found = places.find({signal, joint});
+  return found == places.end() ? std::nullopt : std::make_optional(found->second);
 }
 
 bool FieldMap::maps_signal(int signal) const {
-  return std::any_of(places_.begin(), places_.end(),
-                     [signal](const auto& entry) { return entry.first.first == signal; });
+  const auto first = places.lower_bound({signal, 0});
+  return first != places.end() && first->first.first == signal;
 }
 
-std::size_t FieldMap::largest_joint() const {
-  std::size_t largest = 0;
-  for (const auto& [key, place] : places_) {
-    if (key.first == 0) largest = std::max(largest, key.second + 1);
-  }
-  return largest;
-}
-
-bool FieldMap::maps_all_positions() const {
-  const std::size_t n = wanted_ > 0 ? wanted_ : largest_joint();
-  if (n == 0) return false;
-  for (std::size_t j = 0; j < n; ++j) {
-    if (!place(0, j)) return false;
-  }
-  return true;
+std::size_t FieldMap::mapped_joints(std::size_t wanted) const {
+  std::size_t joints = 0;
+  while (place(0, joints)) ++joints;
+  if (wanted > 0) return joints >= wanted ? wanted : 0;
+  const auto mapped = std::distance(places.begin(), places.lower_bound({1, 0}));
+  return static_cast<std::size_t>(mapped) == joints ? joints : 0;
 }
 
 }  // namespace veridyn::recordings

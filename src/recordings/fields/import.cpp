@@ -1,10 +1,7 @@
 #include "recordings/fields/import.hpp"
 
-#include <utility>
-
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/bags/bag_recording.hpp"
-#include "recordings/csv/csv_table.hpp"
 
 namespace veridyn::recordings {
 namespace {
@@ -28,11 +25,6 @@ RawRecording read_raw(const OpenedFile& file, const RecordingOptions& options) {
 
 Imported import_file(const OpenedFile& file, const RecordingOptions& options) {
   return assemble(read_raw(file, options), file.path, options.signals);
-}
-
-Imported import_table(CsvLines lines, const RecordingOptions& options) {
-  const std::string path = lines.path();
-  return assemble(read_csv_table(std::move(lines), options), path, options.signals);
 }
 
 }  // namespace veridyn::recordings

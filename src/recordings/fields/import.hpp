@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "recordings/csv/csv_lines.hpp"
 #include "recordings/bags/file_kind.hpp"
 #include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
@@ -19,13 +18,10 @@ struct Imported {
 /// Assembles the arm's signals from the contents of a file: chooses topic, joints, clock and units.
 /// @throws InvalidInput  no positions; a missing joint of the arm; several topics that fit the arm equally
 /// well (without an arm the first one is taken, with a remark).
-Imported assemble(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
+Imported assemble(RawRecording raw, const std::string& path, const SignalChoice& choice);
 
 /// Reads a bag or an array file.
 /// @throws InvalidInput  as assemble(), or the file is too damaged.
 Imported import_file(const OpenedFile& file, const RecordingOptions& options);
-
-/// Reads a CSV table with other names than t, q1..qn. @throws InvalidInput  as import_file().
-Imported import_table(CsvLines lines, const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

@@ -81,14 +81,7 @@ void renumber_joints(const std::vector<std::string>& files, std::vector<RawStrea
 std::vector<std::string> files_joined_by(const std::string& path) {
   std::error_code ignored;
   if (path.find('+') == std::string::npos || std::filesystem::exists(path, ignored)) return {};
-  std::vector<std::string> out(1);
-  for (const char c : path) {
-    if (c == '+') {
-      out.emplace_back();
-    } else {
-      out.back() += c;
-    }
-  }
+  const std::vector<std::string> out = split(path, '+');
   const bool any = std::any_of(out.begin(), out.end(), [&ignored](const std::string& file) {
     return std::filesystem::exists(file, ignored);
   });
@@ -107,7 +100,7 @@ Imported import_joined(const std::string& path, const std::vector<std::string>& 
   for (RawStream& stream : raw.streams) {
     for (RawField& f : stream.fields) f.path = kRecordingSignals[f.signal].name + f.joint;
   }
-  Imported out = assemble(raw, path, options.signals);
+  Imported out = assemble(std::move(raw), path, options.signals);
   const auto& q = out.recording.q;
   int first = 0;
   int end = out.recording.rows();

@@ -14,24 +14,46 @@ bool same(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }
 
+std::vector<double> list_of(const Column& values) {
+  return {values.data(), values.data() + values.size()};
+}
+
+std::vector<double>::iterator place_of(std::vector<double>& values, double share) {
+  return values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+}
+
+void remove_missing(std::vector<double>& values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double x) { return std::isnan(x); }),
+               values.end());
+}
+
 }  // namespace
 
-void Findings::add(Severity severity, const std::string& finding, const Place& place,
-                   const Size& size, const std::string& sentence) {
-  findings_.push_back({file_, finding, place.signal, place.joint, size.share, size.value, size.unit,
-                       severity, sentence});
+void Findings::add(Severity severity, const std::string& finding, const Place& place, const Size& size, const std::string& sentence) {
+  quality_->findings.push_back({quality_->file, finding, place.signal, place.joint, size.share, size.value, size.unit, severity, sentence});
 }
 
-std::vector<QualityFinding> Findings::sorted() && {
-  std::stable_sort(
-      findings_.begin(), findings_.end(),
-      [](const QualityFinding& a, const QualityFinding& b) { return a.severity > b.severity; });
-  return std::move(findings_);
+void Findings::add_saturated(const std::vector<SaturatedInterval>& intervals) {
+  quality_->saturated.insert(quality_->saturated.end(), intervals.begin(), intervals.end());
 }
 
-std::string named(const Place& place) {
-  if (place.joint == 0) return place.signal;
-  return text("joint ", place.joint, " (", place.signal, place.joint, ")");
+std::string Channel::name() const {
+  return text("joint ", joint + 1, " (", signal->name, joint + 1, ")");
+}
+
+std::string Channel::unit() const {
+  if (is(&Recording::q)) return "rad or m";
+  if (is(&Recording::dq)) return "rad/s or m/s";
+  if (is(&Recording::tau)) return "N m or N";
+  return is(&Recording::current) ? "A" : "";
+}
+
+std::vector<Channel> channels_of(const Recording& rows) {
+  std::vector<Channel> channels;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    for (int j = 0; j < (rows.*signal.values).cols(); ++j) channels.push_back({&signal, j});
+  }
+  return channels;
 }
 
 std::string number(double value) {
@@ -52,38 +74,9 @@ std::string counted(long count, const std::string& noun) {
   return text(count, " ", noun, count == 1 ? "" : "s");
 }
 
-std::vector<Load> loads_of(const Recording& rows) {
-  std::vector<Load> loads;
-  if (rows.tau.cols() > 0) loads.push_back({"tau", &rows.tau});
-  if (rows.current.cols() > 0) loads.push_back({"i", &rows.current});
-  return loads;
-}
-
-const char* word_of_load(const std::string& signal) { return signal == "tau" ? "torque" : "current"; }
-
 double share_of(long count, long rows) {
   return static_cast<double>(count) / static_cast<double>(rows);
 }
-
-std::string unit_of(const std::string& signal) {
-  if (signal == "q") return "rad or m";
-  if (signal == "dq") return "rad/s or m/s";
-  if (signal == "tau") return "N m or N";
-  return signal == "i" ? "A" : "";
-}
-
-namespace {
-
-std::vector<double>::iterator place_of(std::vector<double>& values, double share) {
-  return values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-}
-
-void remove_missing(std::vector<double>& values) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double x) { return std::isnan(x); }),
-               values.end());
-}
-
-}  // namespace
 
 double quantile(std::vector<double> values, double share) {
   remove_missing(values);
@@ -111,35 +104,27 @@ double between_quantiles(std::vector<double> values, double low, double high) {
   return at_high - *lower;
 }
 
-std::vector<double> column_of(const MatrixXd& values, Eigen::Index joint) {
-  return {values.col(joint).data(), values.col(joint).data() + values.rows()};
+double range_of(const Column& values) {
+  return between_quantiles(list_of(values), numbers.ends, 1.0 - numbers.ends);
 }
 
-double range_of(const MatrixXd& values, Eigen::Index joint) {
-  return between_quantiles(column_of(values, joint), numbers.ends, 1.0 - numbers.ends);
-}
-
-std::vector<double> changes_of(const MatrixXd& values, Eigen::Index joint) {
+std::vector<double> changes_of(const Column& values) {
   std::vector<double> changes;
-  for (Eigen::Index k = 1; k < values.rows(); ++k) {
-    const double change = std::abs(values(k, joint) - values(k - 1, joint));
+  for (Eigen::Index k = 1; k < values.size(); ++k) {
+    const double change = std::abs(values[k] - values[k - 1]);
     if (change > 0.0) changes.push_back(change);
   }
   return changes;
 }
 
-double resolution_of(const MatrixXd& values, Eigen::Index joint) {
-  std::vector<double> changes = changes_of(values, joint);
+double resolution_of(const Column& values) {
+  std::vector<double> changes = changes_of(values);
   return changes.empty() ? 0.0 : quantile(std::move(changes), numbers.ends);
 }
 
 bool is_moving(const Recording& rows, int k) {
   if (rows.dq.cols() > 0) return (rows.dq.row(k).array() != 0.0).any();
-  const int from = std::max(0, k - kContext);
-  for (int j = 0; j < rows.joints(); ++j) {
-    if (rows.q(k, j) != rows.q(from, j)) return true;
-  }
-  return false;
+  return (rows.q.row(k).array() != rows.q.row(std::max(0, k - kContext)).array()).any();
 }
 
 bool is_stale(const Recording& rows, int k) {
@@ -155,6 +140,15 @@ bool is_stale(const Recording& rows, int k) {
   return any && is_moving(rows, k);
 }
 
+double onward_motion(const Column& q) {
+  double onward = 0.0;
+  for (Eigen::Index k = 2; k < q.size(); ++k) {
+    const double product = (q[k - 1] - q[k - 2]) * (q[k] - q[k - 1]);
+    if (std::isfinite(product)) onward += product;
+  }
+  return onward;
+}
+
 Head::Head(const Recording& recording) : rows(recording) {
   const int count = rows.rows();
   std::vector<double> steps;
@@ -162,10 +156,15 @@ Head::Head(const Recording& recording) : rows(recording) {
   step = quantile(steps, 0.5);
   shortest = quantile(steps, numbers.ends);
   longest = quantile(steps, 1.0 - numbers.ends);
-  for (int j = 0; j < rows.joints(); ++j) {
-    moves.push_back(range_of(rows.q, j) > numbers.resting_range);
-  }
+  for (int j = 0; j < rows.joints(); ++j) moves.push_back(range_of(rows.q.col(j)) > numbers.resting_range);
   for (int k = 0; k < count; ++k) stale.push_back(is_stale(rows, k));
+}
+
+std::vector<Channel> Head::moving_loads() const {
+  std::vector<Channel> loads = channels_of(rows);
+  const auto is_other = [this](const Channel& c) { return !is_load(*c.signal) || !moves[static_cast<std::size_t>(c.joint)]; };
+  loads.erase(std::remove_if(loads.begin(), loads.end(), is_other), loads.end());
+  return loads;
 }
 
 int window_rows(const Head& head) {

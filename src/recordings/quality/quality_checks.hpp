@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,7 +10,7 @@
 #include "veridyn/recordings/recording_quality.hpp"
 
 /// The parts of check_recording(). A *tally* processes every row, piece by piece; a *check* sees
-/// the first rows only.
+/// the first rows only. Both look at *channels*, the columns of a recording.
 namespace veridyn::quality {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -26,18 +27,38 @@ struct Size {
   std::string unit;
 };
 
-/// Collects findings of one file.
+/// Adds findings to the quality of a file.
 class Findings {
  public:
-  explicit Findings(std::string file) : file_(std::move(file)) {}
-  void add(Severity severity, const std::string& finding, const Place& place, const Size& size,
-           const std::string& sentence);
-  std::vector<QualityFinding> sorted() &&;
+  explicit Findings(RecordingQuality* quality) : quality_(quality) {}
+  void add(Severity severity, const std::string& finding, const Place& place, const Size& size, const std::string& sentence);
+  void add_saturated(const std::vector<SaturatedInterval>& intervals);
 
  private:
-  std::string file_;
-  std::vector<QualityFinding> findings_;
+  RecordingQuality* quality_;
 };
+
+inline bool is_load(const RecordingSignal& signal) {
+  return signal.values == &Recording::tau || signal.values == &Recording::current;
+}
+
+/// One signal of one joint.
+struct Channel {
+  const RecordingSignal* signal;
+  int joint;  ///< from 0
+
+  auto of(const Recording& rows) const { return (rows.*signal->values).col(joint); }
+  bool is(MatrixXd Recording::*values) const { return signal->values == values; }
+  const char* load_word() const { return is(&Recording::tau) ? "torque" : "current"; }
+  Place place() const { return {signal->name, joint + 1}; }
+  /// Text such as "joint 3 (tau3)".
+  std::string name() const;
+  /// Unit for a joint of unknown type, for example "N m or N".
+  std::string unit() const;
+};
+
+/// The columns of a recording, signal by signal.
+std::vector<Channel> channels_of(const Recording& rows);
 
 /// A piece of the recording; rows before `fresh` have been processed.
 struct Piece {
@@ -48,6 +69,8 @@ struct Piece {
 /// The first rows, without absurd numbers, and scales computed from them.
 struct Head {
   explicit Head(const Recording& recording);
+  /// Recorded torques and currents of the joints that move.
+  std::vector<Channel> moving_loads() const;
 
   const Recording& rows;
   double step = 0.0;        // [s] median
@@ -60,168 +83,51 @@ struct Head {
 /// Number of rows in QualityNumbers::window.
 int window_rows(const Head& head);
 
-/// Text such as "joint 3 (tau)".
-std::string named(const Place& place);
 /// A number as text: four significant digits; shares as "12 %"; counts as "1 row", "2 rows".
 std::string number(double value);
 std::string percent(double share);
 std::string counted(long count, const std::string& noun);
-/// Unit of a signal of a joint of unknown type, for example "N m".
-std::string unit_of(const std::string& signal);
+
+using Column = Eigen::Ref<const VectorXd>;
 
 /// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
 double quantile(std::vector<double> values, double share);
-
 /// True if quantile(values, share) > bound; it does not sort the values.
 bool quantile_exceeds(const std::vector<double>& values, double share, double bound);
-
 /// The difference of two quantiles, of which the upper one is `high`.
 double between_quantiles(std::vector<double> values, double low, double high);
-
-std::vector<double> column_of(const MatrixXd& values, Eigen::Index joint);
 /// Range of a column without single wrong values: between its quantiles `ends` and 1 - `ends`.
-double range_of(const MatrixXd& values, Eigen::Index joint);
+double range_of(const Column& values);
 /// Sizes of a column's changes from row to row, zeros excluded; and its smallest usual change, 0 if nothing
 /// changes.
-std::vector<double> changes_of(const MatrixXd& values, Eigen::Index joint);
-double resolution_of(const MatrixXd& values, Eigen::Index joint);
+std::vector<double> changes_of(const Column& values);
+double resolution_of(const Column& values);
+double share_of(long count, long rows);
 
 /// True if row k equals row k - 1 in every signal although the arm moves.
 bool is_stale(const Recording& rows, int k);
 /// True if a velocity of row k is not zero; without velocities, if a position has changed within 6 rows.
 bool is_moving(const Recording& rows, int k);
+/// > 0 if a position changes in one direction from row to row: the mean product of successive steps. The noise of a resting
+/// joint changes its sign.
+double onward_motion(const Column& q);
 
-/// Replaces numbers beyond +-1e6 in rows from `fresh` on by NaN, and counts them.
-class AbsurdTally {
+/// Processes every row of a recording and then reports.
+class Tally {
  public:
-  void clean(Recording* rows, int fresh);
-  double share() const {
-    return rows_ == 0 ? 0.0 : static_cast<double>(bad_rows_) / static_cast<double>(rows_);
-  }
-  void conclude(Findings* findings) const;
-
- private:
-  long rows_ = 0;
-  long bad_rows_ = 0;
-  long bad_values_ = 0;
-  double first_time_ = 0.0;
+  virtual ~Tally() = default;
+  virtual void add(const Piece& piece) = 0;
+  virtual void conclude(Findings* findings) const = 0;
 };
 
-class TimeTally {
- public:
-  explicit TimeTally(const Head& head)
-      : step_(head.step), shortest_(head.shortest), longest_(head.longest) {}
-  void add(const Piece& piece);
-  void conclude(Findings* findings) const;
-
- private:
-  double step_;
-  double shortest_;
-  double longest_;
-  long rows_ = 0;
-  double first_ = 0.0;
-  double last_ = 0.0;
-  long holes_ = 0;
-  double lost_rows_ = 0.0;
-  double lost_time_ = 0.0;
-  double longest_hole_ = 0.0;
-  double longest_hole_at_ = 0.0;
-  long alike_ = 0;               // holes directly after another one of the same length
-  double hole_before_ = kNone;   // [rows] length of the hole before, or none
-  double first_hole_at_ = kNone, length_ = 0.0;  // position of the first hole; length of the equal ones
-};
-
-/// Counts stale rows, gaps, and constant signals.
-class RowTally {
- public:
-  explicit RowTally(const Head& head);
-  void add(const Piece& piece);
-  void conclude(Findings* findings) const;
-
- private:
-  struct Channel {
-    Place place;
-    double first = kNone;
-    bool constant = true;
-    double largest = 0.0;
-    long gaps = 0;
-    long gap_run = 0;
-    long longest_gap = 0;
-  };
-  void conclude_gaps(Findings* findings) const;
-  void add_gaps(const Channel& channel, const Place& place, const std::string& who,
-                Findings* findings) const;
-  void conclude_constant(Findings* findings) const;
-
-  std::vector<Channel> channels_;
-  long rows_ = 0;
-  long stale_ = 0;
-  long stale_run_ = 0;
-  long longest_stale_ = 0;
-  std::vector<long> beyond_;  // per joint: rows with |q| > 2 turns
-};
-
-class JumpTally {
- public:
-  explicit JumpTally(const Head& head);
-  void add(const Piece& piece);
-  void conclude(Findings* findings) const;
-
- private:
-  bool is_jump(const Recording& rows, int k, int joint) const;
-
-  struct Joint {
-    double tolerance = 0.0;
-    long count = 0, onward = 0;  ///< jumps; those in the direction of the step before
-    double largest = 0.0;
-    double largest_at = 0.0;
-  };
-  double step_;
-  std::vector<Joint> joints_;
-};
-
-/// Detects torque or current at its extreme value in successive rows: entered and left abruptly, or at two
-/// limits of equal size.
-class ClipTally {
- public:
-  explicit ClipTally(const Head& head);
-  void add(const Piece& piece);
-  /// @param saturated  set to the intervals of torques at a nonzero limit.
-  void conclude(Findings* findings, std::vector<SaturatedInterval>* saturated) const;
-
- private:
-  struct Extreme {
-    Place place;
-    double sign = 1.0;  // +1: largest, -1: smallest value
-    double tolerance = 0.0;
-    double limit = -std::numeric_limits<double>::infinity();  // sign * value
-    long run = 0;
-    double entry = 0.0;  // size of the step into the run
-    bool abrupt = false;  // a run of at least three rows was entered and left abruptly
-    long rows = 0;        // number of rows at the limit
-    long longest = 0;
-    long below = 0;  // rows at the next smaller value of the channel
-    std::vector<SaturatedInterval> stretches = {};
-  };
-  void add_value(double value, double before, double time, Extreme* extreme) const;
-  bool is_limit(const Extreme& one, const Extreme& opposite) const;
-  void close_run(double after, Extreme* extreme) const;
-
-  std::vector<Extreme> extremes_;  // largest and smallest value alternate
-  double start_ = 0.0;             // [s]
-  long rows_ = 0;
-};
-
-/// Recorded torques and currents.
-struct Load {
-  const char* name;
-  const MatrixXd* values;
-};
-std::vector<Load> loads_of(const Recording& rows);
-/// "torque" or "current".
-const char* word_of_load(const std::string& signal);
-
-double share_of(long count, long rows);
+/// Steps of time: rate, second rates, holes.
+std::unique_ptr<Tally> time_tally(const Head& head);
+/// Stale rows, gaps, constant signals, positions in degrees.
+std::unique_ptr<Tally> row_tally(const Head& head);
+/// Position steps that the neighbouring motion cannot explain.
+std::unique_ptr<Tally> jump_tally(const Head& head);
+/// Torque or current at its extreme value in successive rows.
+std::unique_ptr<Tally> clip_tally(const Head& head);
 
 void check_motion(const Head& head, Findings* findings);
 void check_velocities(const Head& head, Findings* findings);
@@ -232,6 +138,5 @@ void check_saturated_plateaus(const Head& head, Findings* findings);
 /// Torques and currents whose changes are all larger than a share of their range.
 void check_torque_steps(const Head& head, Findings* findings);
 void check_start_up(const Head& head, Findings* findings);
-void check_period(const MotionPeriod& period, Findings* findings);
 
 }  // namespace veridyn::quality

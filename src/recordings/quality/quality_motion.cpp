@@ -13,15 +13,17 @@ namespace {
 
 // Usual size of the change over 20 ms in consecutive windows of 0.1 s: single wrong values do not count, nor do rows in which the
 // joint, and with it the sign of its friction, turns round.
-std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
+std::vector<double> ringing(const Head& head, const Channel& load) {
+  const auto values = load.of(head.rows);
+  const auto q = head.rows.q.col(load.joint);
   const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
   const int window = window_rows(head);
-  const auto step = [&](int k) { return head.rows.q(std::max(k, 1), joint) - head.rows.q(std::max(k, 1) - 1, joint); };
+  const auto step = [&](int k) { return q[std::max(k, 1)] - q[std::max(k, 1) - 1]; };
   std::vector<double> sizes;
-  for (int first = 0; first + window + lag <= values.rows(); first += window) {
+  for (int first = 0; first + window + lag <= values.size(); first += window) {
     std::vector<double> changes;
     for (int k = first; k < first + window; ++k) {
-      if (!(step(k) * step(k + lag) < 0.0)) changes.push_back(std::abs(values(k + lag, joint) - values(k, joint)));
+      if (!(step(k) * step(k + lag) < 0.0)) changes.push_back(std::abs(values[k + lag] - values[k]));
     }
     sizes.push_back(changes.empty() ? 0.0 : quantile(changes, 1.0 - numbers.rare));
   }
@@ -29,14 +31,14 @@ std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint)
 }
 
 // True if two columns have the same numbers, which change.
-bool are_equal(const MatrixXd& one, int i, const MatrixXd& other, int j) {
-  double changes = 0.0;
-  for (Eigen::Index k = 0; k < one.rows(); ++k) {
-    if (!std::isfinite(one(k, i)) && !std::isfinite(other(k, j))) continue;
-    if (one(k, i) != other(k, j)) return false;
-    if (k > 0) changes += std::abs(one(k, i) - one(k - 1, i)) > 0.0 ? 1.0 : 0.0;
+bool are_equal(const Column& one, const Column& other) {
+  long changes = 0;
+  for (Eigen::Index k = 0; k < one.size(); ++k) {
+    if (!std::isfinite(one[k]) && !std::isfinite(other[k])) continue;
+    if (one[k] != other[k]) return false;
+    changes += k > 0 && std::abs(one[k] - one[k - 1]) > 0.0 ? 1 : 0;
   }
-  return 2.0 * changes > static_cast<double>(one.rows());
+  return 2 * changes > one.size();
 }
 
 // Checks that the motion is sufficient after the filter's transients at either end are cut.
@@ -54,17 +56,63 @@ void check_duration(const Head& head, Findings* findings) {
 bool check_clock(const Head& head, Findings* findings) {
   if (head.step < kSlowClock) return false;
   double onward = 0.0;
-  for (int j = 0; j < head.rows.joints(); ++j) {
-    for (int k = 2; k < head.rows.rows(); ++k) {
-      const double before = head.rows.q(k - 1, j) - head.rows.q(k - 2, j), after = head.rows.q(k, j) - head.rows.q(k - 1, j);
-      if (std::isfinite(before) && std::isfinite(after) && head.moves[static_cast<std::size_t>(j)]) onward += before * after;
-    }
-  }
+  for (int j = 0; j < head.rows.joints(); ++j) onward += head.moves[static_cast<std::size_t>(j)] ? onward_motion(head.rows.q.col(j)) : 0.0;
   if (!(onward > 0.0)) return false;
   const char* unit = recordings::unit_of_clock(head.step);
   findings->add(Severity::kFault, "time_unit", {"t", 0}, {kNone, head.step, "s"},
                 text("One row every ", number(head.step), " s, and the arm moves on from row to row: the times are no seconds; --units t=", unit, " mends it."));
   return true;
+}
+
+void check_rest(const Head& head, Findings* findings) {
+  for (int j = 0; j < head.rows.joints(); ++j) {
+    const double range = head.moves[static_cast<std::size_t>(j)] ? kNone : range_of(head.rows.q.col(j));
+    if (std::isnan(range)) continue;
+    const Channel position{&kRecordingSignals[0], j};
+    findings->add(Severity::kInfo, "joint_at_rest", position.place(), {kNone, range, position.unit()},
+                  text("Joint ", j + 1, " holds its position (within ", number(range),
+                       "): its friction and inertia cannot be told from here; --fix JOINT=VALUE holds it there."));
+  }
+}
+
+void check_common_motion(const Head& head, Findings* findings) {
+  for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
+    std::vector<int> moving;
+    std::copy_if(group.begin(), group.end(), std::back_inserter(moving), [&](int j) { return head.moves[static_cast<std::size_t>(j)]; });
+    if (moving.size() < 2) continue;
+    const auto same = [&](int j) { return are_equal(head.rows.q.col(moving.front()), head.rows.q.col(j)); };
+    findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
+                  text("Joints ", numbers_from_one(moving),
+                       std::all_of(moving.begin(), moving.end(), same) ? " have the same position in every row: was one column written twice? What depends on"
+                                                                       : " move as one: what depends on",
+                       " one of them cannot be told from the others."));
+  }
+}
+
+// True if a signal without negative values has positive ones.
+bool has_no_sign(const Column& values) {
+  const std::vector<double> all(values.begin(), values.end());
+  return quantile(all, 0.0) >= 0.0 && quantile(all, 1.0) > 0.0;
+}
+
+// Checks one signal of torques or currents: its signs, and copies of other columns.
+void check_load(const Head& head, const RecordingSignal& signal, Findings* findings) {
+  std::vector<Channel> moving = head.moving_loads();
+  moving.erase(std::remove_if(moving.begin(), moving.end(), [&](const Channel& c) { return !c.is(signal.values); }), moving.end());
+  if (moving.size() > 1 && std::all_of(moving.begin(), moving.end(), [&](const Channel& c) { return has_no_sign(c.of(head.rows)); }))
+    findings->add(Severity::kFault, "no_sign", {signal.name, 0}, {},
+                  text("No ", signal.name, " of any moving joint is ever negative: sizes without a sign, of which no model can be made."));
+  for (const RecordingSignal& other : kRecordingSignals) {
+    const bool other_load = is_load(other) && &other != &signal;
+    for (int j = 0; j < head.rows.joints() && !other_load && (head.rows.*other.values).cols() > 0; ++j) {
+      for (int i = 0; i < (&other == &signal ? j : head.rows.joints()); ++i) {
+        if (!are_equal((head.rows.*other.values).col(i), (head.rows.*signal.values).col(j))) continue;
+        findings->add(Severity::kFault, "same_column", {signal.name, j + 1}, {},
+                      text(other.name, i + 1, " and ", signal.name, j + 1,
+                           " hold the same numbers in every row: one column was written twice, and another is missing."));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -77,60 +125,21 @@ void check_motion(const Head& head, Findings* findings) {
   }
   if (check_clock(head, findings)) return;
   check_duration(head, findings);
-  for (int j = 0; j < head.rows.joints(); ++j) {
-    if (head.moves[j]) continue;
-    const double range = range_of(head.rows.q, j);
-    if (std::isnan(range)) continue;
-    const Place place{"q", j + 1};
-    findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
-                  text("Joint ", j + 1, " holds its position (within ", number(range),
-                       "): its friction and inertia cannot be told from here; --fix JOINT=VALUE holds it there."));
-  }
-  for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
-    std::vector<int> moving;
-    for (const int j : group) {
-      if (head.moves[j]) moving.push_back(j);
-    }
-    if (moving.size() < 2) continue;
-    const auto same = [&](int j) { return are_equal(head.rows.q, moving.front(), head.rows.q, j); };
-    findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
-                  text("Joints ", numbers_from_one(moving),
-                       std::all_of(moving.begin(), moving.end(), same) ? " have the same position in every row: was one column written twice? What depends on"
-                                                                       : " move as one: what depends on",
-                       " one of them cannot be told from the others."));
-  }
-  for (const Load& load : loads_of(head.rows)) {
-    int moving = 0, unsigned_ones = 0;
-    for (int j = 0; j < head.rows.joints(); ++j) {
-      if (!head.moves[static_cast<std::size_t>(j)]) continue;
-      const std::vector<double> values = column_of(*load.values, j);
-      ++moving;
-      unsigned_ones += quantile(values, 0.0) >= 0.0 && quantile(values, 1.0) > 0.0 ? 1 : 0;
-    }
-    if (moving > 1 && unsigned_ones == moving)
-      findings->add(Severity::kFault, "no_sign", {load.name, 0}, {},
-                    text("No ", load.name, " of any moving joint is ever negative: sizes without a sign, of which no model can be made."));
-    for (const RecordingSignal& signal : kRecordingSignals) {
-      const MatrixXd& others = head.rows.*signal.values;
-      if (&others != load.values && (signal.values == &Recording::tau || signal.values == &Recording::current)) continue;
-      for (int j = 0; j < head.rows.joints() && others.cols() > 0; ++j) {
-        for (int i = 0; i < (&others == load.values ? j : head.rows.joints()); ++i) {
-          if (are_equal(others, i, *load.values, j))
-            findings->add(Severity::kFault, "same_column", {load.name, j + 1}, {},
-                          text(signal.name, i + 1, " and ", load.name, j + 1, " hold the same numbers in every row: one column was written twice, and another is missing."));
-        }
-      }
-    }
+  check_rest(head, findings);
+  check_common_motion(head, findings);
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    if (is_load(signal) && (head.rows.*signal.values).cols() > 0) check_load(head, signal, findings);
   }
 }
 
 void check_start_up(const Head& head, Findings* findings) {
-  for (const Load& load : loads_of(head.rows)) {
-    double until = 0.0;
-    double worst = 0.0;
-    Place place{load.name, 0};
-    for (int j = 0; j < head.rows.joints(); ++j) {
-      const std::vector<double> sizes = ringing(head, *load.values, j);
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    if (!is_load(signal)) continue;
+    double until = 0.0, worst = 0.0;
+    Channel worst_load{&signal, -1};
+    for (const Channel& load : channels_of(head.rows)) {
+      if (load.signal != &signal) continue;
+      const std::vector<double> sizes = ringing(head, load);
       if (static_cast<int>(sizes.size()) < 2 * numbers.latest_start) continue;
       const double usual = quantile({sizes.begin() + numbers.latest_start, sizes.end()}, 1.0 - numbers.rare);
       int loud = 0;
@@ -139,24 +148,15 @@ void check_start_up(const Head& head, Findings* findings) {
       }
       if (loud < numbers.shortest_start || usual <= 0.0) continue;
       const double ratio = *std::max_element(sizes.begin(), sizes.begin() + loud) / usual;
-      const int window = window_rows(head);
-      until = std::max(until, loud * window * head.step);
-      if (ratio > worst) place.joint = j + 1;
+      until = std::max(until, loud * window_rows(head) * head.step);
+      if (ratio > worst) worst_load = load;
       worst = std::max(worst, ratio);
     }
     if (until == 0.0) continue;
-    findings->add(Severity::kWarning, "start_up_transient", place, {kNone, until, "s"},
-                  text("The ", word_of_load(load.name), " rings for ",
-                       number(until), " s after the start, worst on joint ", place.joint, " (",
-                       number(worst), " times the usual change): leave that part out."));
+    findings->add(Severity::kWarning, "start_up_transient", worst_load.place(), {kNone, until, "s"},
+                  text("The ", worst_load.load_word(), " rings for ", number(until), " s after the start, worst on joint ",
+                       worst_load.joint + 1, " (", number(worst), " times the usual change): leave that part out."));
   }
-}
-
-void check_period(const MotionPeriod& period, Findings* findings) {
-  if (!period.found()) return;
-  findings->add(Severity::kInfo, "period", {}, {kNone, period.seconds, "s"},
-                text("The motion repeats every ", period.seconds, " s, ", number(period.repeats),
-                     " times: repeats give the noise floor."));
 }
 
 }  // namespace veridyn::quality

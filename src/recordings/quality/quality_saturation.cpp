@@ -10,6 +10,105 @@
 namespace veridyn::quality {
 namespace {
 
+// Finds values at the extreme that are entered and left abruptly, or at two limits of equal size.
+class ClipTally : public Tally {
+ public:
+  explicit ClipTally(const Head& head) : start_(head.rows.time[0]) {
+    for (const Channel& channel : channels_of(head.rows)) {
+      if (!is_load(*channel.signal)) continue;
+      const auto values = channel.of(head.rows);
+      const double range = between_quantiles({values.begin(), values.end()}, 0.0, 1.0);
+      const double tolerance = std::max(kExact * range, numbers.step_share * resolution_of(values));
+      for (const double sign : {1.0, -1.0}) extremes_.push_back({channel, sign, tolerance});
+    }
+  }
+
+  void add(const Piece& piece) override {
+    for (int k = std::max(piece.fresh, 1); k < piece.rows.rows(); ++k) {
+      if (is_stale(piece.rows, k) || !is_moving(piece.rows, k)) continue;
+      for (Extreme& extreme : extremes_) {
+        const auto values = extreme.channel.of(piece.rows);
+        if (std::isnan(values[k]) || std::isnan(values[k - 1])) continue;
+        extreme.add(extreme.sign * values[k], extreme.sign * values[k - 1], piece.rows.time[k] - start_);
+      }
+    }
+    rows_ += piece.rows.rows() - piece.fresh;
+  }
+
+  void conclude(Findings* findings) const override {
+    for (std::size_t k = 0; k < extremes_.size(); ++k) {
+      const Extreme& extreme = extremes_[k];
+      if (!is_limit(extreme, extremes_[k ^ 1U])) continue;
+      if (extreme.channel.is(&Recording::tau) && extreme.limit != 0.0) findings->add_saturated(extreme.stretches);
+      const double share = share_of(extreme.rows, rows_);
+      const double limit = extreme.sign * extreme.limit;
+      findings->add(share > numbers.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.channel.place(),
+                    {share, limit, extreme.channel.unit()},
+                    text("The ", extreme.channel.load_word(), " of ", extreme.channel.name(), " sits exactly at its extreme ", number(limit), " in ",
+                         extreme.rows, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
+                         limit == 0.0 ? "a dead zone, or a channel of one sign." : "saturated."));
+    }
+  }
+
+ private:
+  struct Extreme {
+    Channel channel;
+    double sign = 1.0;  // +1: largest, -1: smallest value
+    double tolerance = 0.0;
+    double limit = -std::numeric_limits<double>::infinity();  // sign * value
+    long run = 0;
+    double entry = 0.0;   // size of the step into the run
+    bool abrupt = false;  // a run of at least three rows was entered and left abruptly
+    long rows = 0;        // number of rows at the limit
+    long longest = 0;
+    long below = 0;  // rows at the next smaller value of the channel
+    std::vector<SaturatedInterval> stretches = {};
+
+    void add(double value, double before, double time) {
+      const double two_steps = (1.0 + 1.0 / numbers.step_share) * tolerance;  // from the limit to the end of the next value
+      if (value > limit + tolerance) {
+        const long rows_below = value < limit + two_steps ? rows : 0;
+        *this = {channel, sign, tolerance, value};
+        below = rows_below;
+      }
+      if (value < limit - tolerance && value > limit - two_steps) ++below;
+      if (value >= limit - tolerance) {
+        add_to_run(limit - before, time);
+      } else if (run > 0) {
+        close_run(limit - value);
+      }
+    }
+
+    void add_to_run(double step, double time) {
+      if (run == 0) {
+        entry = step;
+        stretches.push_back({channel.joint, time, time});
+      }
+      stretches.back().to = time;
+      ++rows;
+      longest = std::max(longest, ++run);
+    }
+
+    void close_run(double exit) {
+      abrupt = abrupt || (run >= numbers.shortest_run && std::min(entry, exit) > numbers.abrupt * tolerance);
+      run = 0;
+    }
+  };
+
+  // True if a run at the extreme is too long for the top of a wave: a parabola stays in its highest step at
+  // most sqrt(2) + 1 times as long as in the next.
+  static bool is_limit(const Extreme& one, const Extreme& opposite) {
+    const bool symmetric = one.limit > one.tolerance && std::abs(one.limit - opposite.limit) <= one.tolerance &&
+                           std::min(one.longest, opposite.longest) >= numbers.shortest_plateau;
+    const auto is_flat = [](const Extreme& e) { return e.rows > (std::sqrt(2.0) + 1.0) * e.below; };
+    return one.abrupt || (symmetric && is_flat(one) && is_flat(opposite));
+  }
+
+  std::vector<Extreme> extremes_;  // largest and smallest value alternate
+  double start_ = 0.0;             // [s]
+  long rows_ = 0;
+};
+
 // A run of rows in which a load stays close to its extreme.
 struct Plateau {
   int first = 0;
@@ -19,8 +118,7 @@ struct Plateau {
 // True for saturation: the load rises from half to full and falls back in less than half the time
 // that it stays there, and meanwhile the arm accelerates or decelerates by at least a quarter of
 // its top speed (unlike on friction plateaus).
-bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
-                  int joint) {
+bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half, int joint) {
   const int length = plateau.last - plateau.first + 1;
   if (length < numbers.shortest_plateau) return false;
   int before = plateau.first;
@@ -28,192 +126,96 @@ bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau
   while (before > 0 && load[before] > half && plateau.first - before <= length) --before;
   while (after + 1 < load.size() && load[after] > half && after - plateau.last <= length) ++after;
   if (2 * (plateau.first - before + after - plateau.last) > length || before == 0) return false;
-  const auto& q = head.rows.q;
+  const auto q = head.rows.q.col(joint);
   const int lag = std::max(1, length / numbers.plateau_parts);
-  const auto speed = [&](int k) {
-    return (q(k, joint) - q(k - lag, joint)) / (head.rows.time[k] - head.rows.time[k - lag]);
-  };
+  const auto speed = [&](int k) { return (q[k] - q[k - lag]) / (head.rows.time[k] - head.rows.time[k - lag]); };
   if (plateau.first < lag || plateau.last <= plateau.first + lag) return false;
   double top = 0.0;
-  for (int k = lag; k < q.rows(); k += lag) top = std::max(top, std::abs(speed(k)));
+  for (int k = lag; k < q.size(); k += lag) top = std::max(top, std::abs(speed(k)));
   return std::abs(speed(plateau.last) - speed(plateau.first)) > numbers.speed_change * top;
 }
 
-// Number of rows in saturated plateaus within 8 % of the largest value.
-int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limit) {
-  const double largest = *std::max_element(load.data(), load.data() + load.size());
-  if (!(largest > 0.0)) return 0;
-  int rows = 0;
-  std::vector<double> levels;
-  for (int k = 0; k < load.size(); ++k) {
-    if (!(load[k] > numbers.near_largest * largest)) continue;
+// Values in saturated plateaus within 8 % of the largest one.
+std::vector<double> plateau_values(const Head& head, const VectorXd& load, int joint) {
+  std::vector<double> values;
+  const double largest = load.maxCoeff();
+  const auto is_near = [&](int k) { return load[k] > numbers.near_largest * largest; };
+  for (int k = 0; k < load.size() && largest > 0.0; ++k) {
+    if (!is_near(k)) continue;
     Plateau plateau{k, k};
-    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > numbers.near_largest * largest)
-      ++plateau.last;
+    while (plateau.last + 1 < load.size() && is_near(plateau.last + 1)) ++plateau.last;
     k = plateau.last;
-    if (!is_saturated(head, load, plateau, 0.5 * largest, joint)) continue;
-    rows += plateau.last - plateau.first + 1;
-    for (int r = plateau.first; r <= plateau.last; ++r) levels.push_back(load[r]);
+    if (is_saturated(head, load, plateau, 0.5 * largest, joint)) values.insert(values.end(), &load[plateau.first], &load[plateau.last] + 1);
   }
-  *limit = quantile(std::move(levels), 0.5);
-  return rows;
+  return values;
 }
 
 // Number of steps from one end of the range to the other between two rows, while the joint moves on.
 int overflows(const Head& head, const VectorXd& load, int joint) {
-  const auto& q = head.rows.q;
+  const auto q = head.rows.q.col(joint);
   const double range = load.maxCoeff() - load.minCoeff();
   int out = 0;
   for (int k = 2; k + 1 < load.size(); ++k) {
-    const bool moves_on = (q(k + 1, joint) - q(k, joint)) * (q(k - 1, joint) - q(k - 2, joint)) > 0.0;
+    const bool moves_on = (q[k + 1] - q[k]) * (q[k - 1] - q[k - 2]) > 0.0;
     if (moves_on && std::abs(load[k] - load[k - 1]) > numbers.overflow * range) ++out;
   }
   return out;
 }
 
+// The values of a load, in which a missing one is replaced by the previous one, so that a gap is no edge.
+VectorXd without_gaps(const Channel& load, const Recording& rows) {
+  VectorXd values = load.of(rows);
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
+  }
+  return values;
+}
+
 }  // namespace
 
-ClipTally::ClipTally(const Head& head) : start_(head.rows.rows() > 0 ? head.rows.time[0] : 0.0) {
-  for (const RecordingSignal& signal : kRecordingSignals) {
-    const std::string name = signal.name;
-    if (name != "tau" && name != "i") continue;
-    const MatrixXd& values = head.rows.*signal.values;
-    for (int j = 0; j < values.cols(); ++j) {
-      const double range = between_quantiles(column_of(values, j), 0.0, 1.0);
-      const double tolerance = std::max(kExact * range, numbers.step_share * resolution_of(values, j));
-      for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});
-    }
-  }
-}
-
-void ClipTally::close_run(double after, Extreme* extreme) const {
-  const double exit = extreme->limit - after;
-  if (extreme->run >= numbers.shortest_run && std::min(extreme->entry, exit) > numbers.abrupt * extreme->tolerance) {
-    extreme->abrupt = true;
-  }
-  extreme->run = 0;
-}
-
-void ClipTally::add_value(double value, double before, double time, Extreme* extreme) const {
-  const double next = 1.0 + 1.0 / numbers.step_share;  // distance from the limit to the end of the next value, in tolerances
-  if (value > extreme->limit + extreme->tolerance) {
-    const Place place = extreme->place;
-    const long below = value < extreme->limit + next * extreme->tolerance ? extreme->rows : 0;
-    *extreme = {place, extreme->sign, extreme->tolerance};
-    extreme->limit = value;
-    extreme->below = below;
-  }
-  if (value < extreme->limit - extreme->tolerance && value > extreme->limit - next * extreme->tolerance) ++extreme->below;
-  if (value >= extreme->limit - extreme->tolerance) {
-    if (extreme->run == 0) {
-      extreme->entry = extreme->limit - before;
-      extreme->stretches.push_back({extreme->place.joint - 1, time, time});
-    }
-    extreme->stretches.back().to = time;
-    ++extreme->run;
-    ++extreme->rows;
-    extreme->longest = std::max(extreme->longest, extreme->run);
-  } else if (extreme->run > 0) {
-    close_run(value, extreme);
-  }
-}
-
-void ClipTally::add(const Piece& piece) {
-  for (int k = std::max(piece.fresh, 1); k < piece.rows.rows(); ++k) {
-    if (is_stale(piece.rows, k) || !is_moving(piece.rows, k)) continue;
-    for (Extreme& extreme : extremes_) {
-      const MatrixXd& values = extreme.place.signal == "tau" ? piece.rows.tau : piece.rows.current;
-      const int j = extreme.place.joint - 1;
-      if (std::isnan(values(k, j)) || std::isnan(values(k - 1, j))) continue;
-      add_value(extreme.sign * values(k, j), extreme.sign * values(k - 1, j), piece.rows.time[k] - start_, &extreme);
-    }
-  }
-  rows_ += piece.rows.rows() - piece.fresh;
-}
-
-// True if a run at the extreme is too long for the top of a wave: a parabola stays in its highest step at
-// most sqrt(2) + 1 times as long as in the next.
-bool ClipTally::is_limit(const Extreme& one, const Extreme& opposite) const {
-  const bool symmetric = one.limit > one.tolerance && std::abs(one.limit - opposite.limit) <= one.tolerance &&
-                         std::min(one.longest, opposite.longest) >= numbers.shortest_plateau;
-  const auto is_flat = [](const Extreme& e) { return e.rows > (std::sqrt(2.0) + 1.0) * e.below; };
-  return one.abrupt || (symmetric && is_flat(one) && is_flat(opposite));
-}
-
-void ClipTally::conclude(Findings* findings, std::vector<SaturatedInterval>* saturated) const {
-  for (size_t k = 0; k < extremes_.size(); ++k) {
-    const Extreme& extreme = extremes_[k];
-    if (!is_limit(extreme, extremes_[k ^ 1U])) continue;
-    if (extreme.place.signal == "tau" && extreme.limit != 0.0)
-      saturated->insert(saturated->end(), extreme.stretches.begin(), extreme.stretches.end());
-    const double share = share_of(extreme.rows, rows_);
-    const double limit = extreme.sign * extreme.limit;
-    findings->add(share > numbers.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
-                  {share, limit, unit_of(extreme.place.signal)},
-                  text("The ", word_of_load(extreme.place.signal), " of ",
-                       named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
-                       extreme.rows, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
-                       limit == 0.0 ? "a dead zone, or a channel of one sign." : "saturated."));
-  }
-}
+std::unique_ptr<Tally> clip_tally(const Head& head) { return std::make_unique<ClipTally>(head); }
 
 void check_saturated_plateaus(const Head& head, Findings* findings) {
-  for (const Load& load : loads_of(head.rows)) {
-    for (int j = 0; j < head.rows.joints(); ++j) {
-      if (!head.moves[j]) continue;
-      const Place place{load.name, j + 1};
-      VectorXd values = load.values->col(j);
-      // A missing value is replaced by the previous one, so that a gap is no edge.
-      for (Eigen::Index k = 0; k < values.size(); ++k) {
-        if (std::isnan(values[k])) values[k] = k > 0 ? values[k - 1] : 0.0;
-      }
-      if (const int steps = overflows(head, values, j); steps >= numbers.fewest_overflows) {
-        findings->add(Severity::kFault, "overflow", place, {kNone, values.maxCoeff(), unit_of(load.name)},
-                      text("The ", word_of_load(place.signal), " of ", named(place), " steps from one end of its range (", number(values.minCoeff()), " to ",
-                           number(values.maxCoeff()), ") to the other ", counted(steps, "time"), " while the joint moves on: a register that overflows?"));
-        continue;
-      }
-      for (const double sign : {1.0, -1.0}) {
-        double limit = 0.0;
-        const int rows = plateau_rows(head, sign * values, j, &limit);
-        if (rows == 0) continue;
-        const double share = static_cast<double>(rows) / head.rows.rows();
-        findings->add(
-            Severity::kWarning, "saturation", place, {share, sign * limit, unit_of(load.name)},
-            text("The ", word_of_load(place.signal), " of ", named(place),
-                 " stays at ", number(sign * limit), ", its extreme, for ", rows, " rows (",
-                 percent(share), ") while the joint changes speed: saturated?"));
-      }
+  for (const Channel& load : head.moving_loads()) {
+    const VectorXd values = without_gaps(load, head.rows);
+    const std::string the_load = text("The ", load.load_word(), " of ", load.name());
+    if (const int steps = overflows(head, values, load.joint); steps >= numbers.fewest_overflows) {
+      findings->add(Severity::kFault, "overflow", load.place(), {kNone, values.maxCoeff(), load.unit()},
+                    text(the_load, " steps from one end of its range (", number(values.minCoeff()), " to ", number(values.maxCoeff()),
+                         ") to the other ", counted(steps, "time"), " while the joint moves on: a register that overflows?"));
+      continue;
+    }
+    for (const double sign : {1.0, -1.0}) {
+      const std::vector<double> held = plateau_values(head, sign * values, load.joint);
+      if (held.empty()) continue;
+      const double limit = sign * quantile(held, 0.5);
+      const double share = share_of(static_cast<long>(held.size()), head.rows.rows());
+      findings->add(Severity::kWarning, "saturation", load.place(), {share, limit, load.unit()},
+                    text(the_load, " stays at ", number(limit), ", its extreme, for ", held.size(), " rows (", percent(share),
+                         ") while the joint changes speed: saturated?"));
     }
   }
 }
 
 void check_torque_steps(const Head& head, Findings* findings) {
-  for (const Load& load : loads_of(head.rows)) {
-    for (int j = 0; j < head.rows.joints(); ++j) {
-      if (!head.moves[j]) continue;
-      std::vector<double> values;
-      std::vector<double> changes;
-      for (int k = 1; k < head.rows.rows(); ++k) {
-        const double now = (*load.values)(k, j);
-        const double change = std::abs(now - (*load.values)(k - 1, j));
-        if (!std::isfinite(now) || !std::isfinite(change)) continue;
-        values.push_back(now);
-        if (change > 0.0) changes.push_back(change);
-      }
-      if (static_cast<int>(changes.size()) < numbers.fewest_changes) continue;
-      const double range = between_quantiles(values, numbers.ends, 1.0 - numbers.ends);
-      if (!quantile_exceeds(changes, numbers.ends, numbers.coarse * range)) continue;
-      const double step = quantile(changes, numbers.ends);
-      double square = 0.0;
-      for (const double v : values) square += v * v;
-      const double rms = std::sqrt(square / static_cast<double>(values.size()));
-      const Place place{load.name, j + 1};
-      findings->add(Severity::kWarning, "torque_quantised", place, {step / range, step, unit_of(load.name)},
-                    text("The ", word_of_load(place.signal), " of ", named(place), " goes in steps of about ",
-                         number(step), ": these alone are an error of ", percent(kStepToDeviation * step / rms),
-                         " of its root mean square."));
+  for (const Channel& load : head.moving_loads()) {
+    const auto values = load.of(head.rows);
+    const std::vector<double> changes = changes_of(values);
+    std::vector<double> present;  // values with one before
+    double square = 0.0;
+    for (int k = 1; k < values.size(); ++k) {
+      if (!std::isfinite(values[k] - values[k - 1])) continue;
+      present.push_back(values[k]);
+      square += values[k] * values[k];
     }
+    if (static_cast<int>(changes.size()) < numbers.fewest_changes) continue;
+    const double range = between_quantiles(present, numbers.ends, 1.0 - numbers.ends);
+    if (!quantile_exceeds(changes, numbers.ends, numbers.coarse * range)) continue;
+    const double step = quantile(changes, numbers.ends);
+    const double rms = std::sqrt(square / static_cast<double>(present.size()));
+    findings->add(Severity::kWarning, "torque_quantised", load.place(), {step / range, step, load.unit()},
+                  text("The ", load.load_word(), " of ", load.name(), " goes in steps of about ", number(step),
+                       ": these alone are an error of ", percent(kStepToDeviation * step / rms), " of its root mean square."));
   }
 }
 

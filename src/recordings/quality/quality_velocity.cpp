@@ -10,6 +10,7 @@ namespace {
 
 // dq = factor * d/dt q, over windows of 0.1 s.
 struct VelocityFit {
+  int joint = 0;
   double factor = 1.0;
   double spread = 0.0;  // half the interquartile range of the ratios of the windows
   bool clear = false;   // there are enough windows with motion, and their ratios agree
@@ -17,34 +18,41 @@ struct VelocityFit {
   double correlation = 1.0;  // correlation of dq and the derivative of q over the windows with motion
 };
 
+// The change of a position in a window, and the integral of a velocity.
+struct Window {
+  double moved, integrated;
+};
+
+// All windows without a gap, one for each row at which it ends.
+std::vector<Window> windows_of(const Head& head, int joint, int recorded) {
+  const VectorXd& time = head.rows.time;
+  const auto q = head.rows.q.col(joint), dq = head.rows.dq.col(recorded);
+  const int window = window_rows(head);
+  VectorXd angle = VectorXd::Zero(time.size());  // integral of dq
+  std::vector<Window> windows;
+  int last_gap = -1;  // windows must lie after it
+  for (int k = 0; k < time.size(); ++k) {
+    const double dt = k > 0 ? time[k] - time[k - 1] : 0.0;
+    if (k > 0) {
+      const double step = 0.5 * dt * (dq[k] + dq[k - 1]);
+      angle[k] = angle[k - 1] + (std::isnan(step) ? 0.0 : step);
+    }
+    if (dt > numbers.gap * head.step || std::isnan(dq[k]) || std::isnan(q[k])) last_gap = k;
+    if (k - window > last_gap) windows.push_back({q[k] - q[k - window], angle[k] - angle[k - window]});
+  }
+  return windows;
+}
+
 // Fit of the velocity column `recorded` to the position of a joint.
 VelocityFit velocity_fit(const Head& head, int joint, int recorded) {
-  const Recording& rows = head.rows;
-  const int window = window_rows(head);
-  VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
-  struct Window {
-    double moved, integrated;
-  };
-  std::vector<Window> windows;
-  for (int k = 1; k < rows.rows(); ++k) {
-    const double dt = rows.time[k] - rows.time[k - 1];
-    const double step = 0.5 * dt * (rows.dq(k, recorded) + rows.dq(k - 1, recorded));
-    angle[k] = angle[k - 1] + (std::isnan(step) ? 0.0 : step);
-  }
-  int last_gap = -1;  // windows must lie after it
-  for (int k = 0; k < rows.rows(); ++k) {
-    const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > numbers.gap * head.step;
-    if (hole || std::isnan(rows.dq(k, recorded)) || std::isnan(rows.q(k, joint))) last_gap = k;
-    if (k - window <= last_gap) continue;
-    windows.push_back({rows.q(k, joint) - rows.q(k - window, joint), angle[k] - angle[k - window]});
-  }
-  std::vector<double> sizes;
+  std::vector<Window> windows = windows_of(head, joint, recorded);
+  std::vector<double> sizes, ratios;
   for (const Window& w : windows) sizes.push_back(std::abs(w.moved));
   const double fast = numbers.fast * quantile(std::move(sizes), 1.0 - numbers.fastest);
   windows.erase(std::remove_if(windows.begin(), windows.end(), [fast](const Window& w) { return !(std::abs(w.moved) > fast); }), windows.end());
   VelocityFit fit;
+  fit.joint = joint;
   if (static_cast<int>(windows.size()) < numbers.fewest_windows) return fit;
-  std::vector<double> ratios;
   double both = 0.0, of_q = 0.0, of_dq = 0.0;
   for (const Window& w : windows) {
     ratios.push_back(w.integrated / w.moved);
@@ -67,21 +75,26 @@ VelocityFit velocity_fit(const Head& head, int joint, int recorded) {
   return fit;
 }
 
+Channel velocity_of(int joint) {
+  return {&kRecordingSignals[1], joint};
+}
+
 // Reports a delay of the velocity; true if there is one.
 bool check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
   if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return false;
-  const Place place{"dq", joint + 1};
-  findings->add(Severity::kWarning, "velocity_delay", place, {kNone, *delay, "s"},
-                text("The velocity of ", named(place), " comes ", number(1e3 * std::abs(*delay)),
+  const Channel dq = velocity_of(joint);
+  findings->add(Severity::kWarning, "velocity_delay", dq.place(), {kNone, *delay, "s"},
+                text("The velocity of ", dq.name(), " comes ", number(1e3 * std::abs(*delay)),
                      " ms ", *delay > 0.0 ? "later" : "earlier", " than its position says",
                      *delay > 0.0 ? ": a filter, or positions that were commanded and not measured?" : "."));
   return true;
 }
 
 // Reports quantisation of dq, by its steps between rows; stale rows and the rows after them are excluded.
-void check_quantised(const Head& head, int joint, const VelocityFit& fit, double range, Findings* findings) {
-  const auto dq = head.rows.dq.col(joint);
+void check_quantised(const Head& head, const VelocityFit& fit, double range, Findings* findings) {
+  const Channel channel = velocity_of(fit.joint);
+  const auto dq = channel.of(head.rows);
   std::vector<double> steps;
   std::vector<double> changes;
   for (int k = 2; k < dq.size(); ++k) {
@@ -95,12 +108,9 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, double
                          quantile_exceeds(steps, 1.0 - numbers.rare, numbers.two_kinds * quantile(steps, 0.5));
   if (!grid && !two_kinds) return;
   const double step = grid ? quantile(changes, numbers.ends) : quantile(steps, 1.0 - numbers.rare);
-  const Place place{"dq", joint + 1};
   const bool biased = !fit.clear || std::abs(fit.factor - 1.0) > numbers.scale_error;
-  findings->add(biased ? Severity::kWarning : Severity::kInfo, "velocity_quantised", place,
-                {step / range, step, unit_of("dq")},
-                text("The velocity of ", named(place), " goes in steps of about ", number(step),
-                     ", ", percent(step / range), " of its range",
+  findings->add(biased ? Severity::kWarning : Severity::kInfo, "velocity_quantised", channel.place(), {step / range, step, channel.unit()},
+                text("The velocity of ", channel.name(), " goes in steps of about ", number(step), ", ", percent(step / range), " of its range",
                      biased ? ": take it from the position instead." : ", but right on average."));
 }
 
@@ -108,17 +118,16 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, double
 // position's derivative. Windows with stale rows are excluded.
 void check_noise(const Head& head, int joint, double range, Findings* findings) {
   constexpr int kReach = 2;  // rows to either side that affect a second difference of a derivative
-  const Recording& rows = head.rows;
-  const auto derivative = [&](int k) {
-    return (rows.q(k + 1, joint) - rows.q(k - 1, joint)) / (rows.time[k + 1] - rows.time[k - 1]);
-  };
-  double recorded = 0.0;
-  double derived = 0.0;
+  const VectorXd& time = head.rows.time;
+  const Channel channel = velocity_of(joint);
+  const auto q = head.rows.q.col(joint), dq = channel.of(head.rows);
+  const auto derivative = [&](int k) { return (q[k + 1] - q[k - 1]) / (time[k + 1] - time[k - 1]); };
+  double recorded = 0.0, derived = 0.0;
   int windows = 0;
-  for (int k = kReach; k + kReach < rows.rows(); ++k) {
+  for (int k = kReach; k + kReach < time.size(); ++k) {
     const auto first = head.stale.begin() + (k - kReach);
     if (std::find(first, first + 2 * kReach + 1, true) != first + 2 * kReach + 1) continue;
-    const double of_dq = rows.dq(k + 1, joint) - 2.0 * rows.dq(k, joint) + rows.dq(k - 1, joint);
+    const double of_dq = dq[k + 1] - 2.0 * dq[k] + dq[k - 1];
     const double of_q = derivative(k + 1) - 2.0 * derivative(k) + derivative(k - 1);
     if (!std::isfinite(of_dq) || !std::isfinite(of_q)) continue;
     recorded += of_dq * of_dq;
@@ -130,118 +139,91 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
   const double noise = std::sqrt(recorded / (kSecondDifference * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
   if (ratio < numbers.noisier || noise < numbers.no_noise * range) return;
-  const Place place{"dq", joint + 1};
-  findings->add(Severity::kInfo, "velocity_noise", place, {noise / range, noise, unit_of("dq")},
-                text("The velocity of ", named(place), " has noise of ", number(noise), ", ",
-                     number(ratio), " times that of its position's derivative."));
+  findings->add(Severity::kInfo, "velocity_noise", channel.place(), {noise / range, noise, channel.unit()},
+                text("The velocity of ", channel.name(), " has noise of ", number(noise), ", ", number(ratio),
+                     " times that of its position's derivative."));
 }
 
-void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
-  const Size size{kNone, fit.factor, ""};
-  if (fit.zero) {
-    findings->add(Severity::kFault, "velocity_scale", place, size,
-                  text("The velocity of ", named(place), " is zero while its position moves: take it from the position."));
-  } else if (std::abs(fit.factor + 1.0) < numbers.sign_error) {
-    findings->add(Severity::kFault, "velocity_sign", place, size,
-                  text("The velocity of ", named(place),
-                       " has the opposite sign of its position's derivative."));
-  } else if (std::abs(std::abs(fit.factor) / kDegrees - 1.0) < numbers.degree_error) {
-    findings->add(Severity::kFault, "degrees", place, size,
-                  text("The velocity of ", named(place), " is ", number(fit.factor),
-                       " times its position's derivative: deg/s instead of rad/s."));
-  } else if (std::abs(std::abs(fit.factor) * kDegrees - 1.0) < numbers.degree_error) {
-    findings->add(Severity::kFault, "degrees", {"q", place.joint}, size,
-                  text("The position of joint ", place.joint, " changes ", number(1.0 / fit.factor),
-                       " times faster than its velocity says: degrees instead of rad."));
-  } else {
-    findings->add(std::abs(fit.factor - 1.0) > numbers.far_off ? Severity::kFault : Severity::kWarning,
-                  "velocity_scale", place, size,
-                  text("The velocity of ", named(place), " is ", number(fit.factor),
-                       " times its position's derivative: take it from the position."));
-  }
+// True if a factor is the one of another unit: it is `unit` within QualityNumbers::degree_error.
+bool is_near(double factor, double unit) {
+  return std::abs(factor / unit - 1.0) < numbers.degree_error;
 }
 
-// True if a position changes in one direction from row to row. The noise of a resting joint changes its sign,
-// and poses at rest do not follow each other within a window.
-bool is_steady_motion(const Head& head, int joint) {
-  if (head.step >= numbers.window) return false;
-  const auto q = head.rows.q.col(joint);
-  double onward = 0.0;
-  for (int k = 2; k < q.size(); ++k) {
-    const double before = q[k - 1] - q[k - 2];
-    const double after = q[k] - q[k - 1];
-    if (std::isfinite(before) && std::isfinite(after)) onward += before * after;
-  }
-  return onward > 0.0;
+void report_joint_scale(const VelocityFit& fit, Findings* findings) {
+  const double f = fit.factor;
+  const auto add = [&](Severity severity, const char* finding, const char* signal, const std::string& sentence) {
+    findings->add(severity, finding, {signal, fit.joint + 1}, {kNone, f, ""}, sentence);
+  };
+  const std::string velocity = "The velocity of " + velocity_of(fit.joint).name();
+  if (fit.zero) return add(Severity::kFault, "velocity_scale", "dq", velocity + " is zero while its position moves: take it from the position.");
+  if (std::abs(f + 1.0) < numbers.sign_error)
+    return add(Severity::kFault, "velocity_sign", "dq", velocity + " has the opposite sign of its position's derivative.");
+  const std::string times = text(velocity, " is ", number(f), " times its position's derivative: ");
+  if (is_near(std::abs(f), kDegrees)) return add(Severity::kFault, "degrees", "dq", times + "deg/s instead of rad/s.");
+  if (is_near(std::abs(f) * kDegrees, 1.0))
+    return add(Severity::kFault, "degrees", "q", text("The position of joint ", fit.joint + 1, " changes ", number(1.0 / f),
+                                                      " times faster than its velocity says: degrees instead of rad."));
+  add(std::abs(f - 1.0) > numbers.far_off ? Severity::kFault : Severity::kWarning, "velocity_scale", "dq", times + "take it from the position.");
 }
 
 // Reports factors of the velocities: the same factor on all joints indicates the clock (or the unit), others
 // single channels.
-void report_scales(const Head& head, const std::vector<int>& joints,
-                   const std::vector<VelocityFit>& fits, Findings* findings) {
-  double low = INFINITY;
-  double high = -INFINITY;
-  std::vector<double> factors;
-  for (const VelocityFit& fit : fits) {
-    low = std::min(low, fit.factor);
-    high = std::max(high, fit.factor);
-    factors.push_back(fit.factor);
-  }
+void report_scales(const Head& head, const std::vector<VelocityFit>& fits, Findings* findings) {
   if (fits.empty()) return;
+  std::vector<double> factors;
+  for (const VelocityFit& fit : fits) factors.push_back(fit.factor);
+  const auto [low, high] = std::minmax_element(factors.begin(), factors.end());
   const double common = quantile(factors, 0.5);
   // A single joint indicates a wrong clock only if its factor is far from one.
   const double threshold = fits.size() > 1 ? numbers.scale_error : numbers.clock_error;
-  const bool clock =
-      common > 0.0 && high - low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
-      std::abs(common / kDegrees - 1.0) > numbers.degree_error && std::abs(common * kDegrees - 1.0) > numbers.degree_error;
-  if (clock) {
-    findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
-                  text("Recorded velocities are ", number(common), " times the derivative of the positions on every moving joint: ",
-                       std::abs(common / kMinute - 1.0) < numbers.degree_error ? "turns, and turns a minute? --units q=rev,dq=rpm."
-                       : std::abs(common / kTurnsAMinute - 1.0) < numbers.degree_error
-                           ? std::string("turns a minute? --units dq=rpm.")
-                           : text("the clock is off, and the true rate is ", number(common / head.step), " Hz rather than ", number(1.0 / head.step),
-                                  " Hz (or all velocities are in another unit).")));
+  const bool clock = common > 0.0 && *high - *low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
+                     std::abs(common / kDegrees - 1.0) > numbers.degree_error && std::abs(common * kDegrees - 1.0) > numbers.degree_error;
+  if (!clock) {
+    for (const VelocityFit& fit : fits) {
+      if (std::abs(fit.factor - 1.0) > numbers.scale_error) report_joint_scale(fit, findings);
+    }
     return;
   }
-  for (std::size_t f = 0; f < fits.size(); ++f) {
-    if (std::abs(fits[f].factor - 1.0) > numbers.scale_error)
-      report_joint_scale({"dq", joints[f] + 1}, fits[f], findings);
+  findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
+                text("Recorded velocities are ", number(common), " times the derivative of the positions on every moving joint: ",
+                     is_near(common, kMinute)          ? "turns, and turns a minute? --units q=rev,dq=rpm."
+                     : is_near(common, kTurnsAMinute) ? std::string("turns a minute? --units dq=rpm.")
+                                                      : text("the clock is off, and the true rate is ", number(common / head.step), " Hz rather than ",
+                                                             number(1.0 / head.step), " Hz (or all velocities are in another unit).")));
+}
+
+// A velocity that is not the derivative of its position, and the joint to which it belongs instead.
+void report_unrelated(const Head& head, const VelocityFit& fit, Findings* findings) {
+  const Channel dq = velocity_of(fit.joint);
+  std::string way = "take it from the position.";
+  for (int other = 0; other < head.rows.joints(); ++other) {
+    if (velocity_fit(head, fit.joint, other).clear)
+      way = text("that of joint ", other + 1, " is; --map dq", fit.joint + 1, "=dq", other + 1, " mends it.");
   }
+  findings->add(Severity::kFault, "velocity_unrelated", dq.place(), {kNone, fit.correlation, ""},
+                text("The velocity of ", dq.name(), " is not the derivative of its position (correlation ", number(fit.correlation), "): ", way));
 }
 
 }  // namespace
 
 void check_velocities(const Head& head, Findings* findings) {
-  if (head.rows.dq.cols() == 0) return;
-  std::vector<int> joints;
   std::vector<VelocityFit> fits;
-  for (int j = 0; j < head.rows.joints(); ++j) {
+  for (int j = 0; j < head.rows.dq.cols(); ++j) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j, j);
-    if (fit.zero && is_steady_motion(head, j)) report_joint_scale({"dq", j + 1}, fit, findings);
-    const double range = range_of(head.rows.dq, j);
-    check_quantised(head, j, fit, range, findings);
-    if (!fit.clear && std::abs(fit.correlation) < numbers.related && is_steady_motion(head, j)) {
-      const Place place{"dq", j + 1};
-      std::string way = "take it from the position.";
-      for (int other = 0; other < head.rows.joints(); ++other) {
-        if (velocity_fit(head, j, other).clear) way = text("that of joint ", other + 1, " is; --map dq", j + 1, "=dq", other + 1, " mends it.");
-      }
-      findings->add(Severity::kFault, "velocity_unrelated", place, {kNone, fit.correlation, ""},
-                    text("The velocity of ", named(place), " is not the derivative of its position (correlation ", number(fit.correlation), "): ", way));
-    }
+    // Poses at rest do not follow each other within a window.
+    const bool steady = head.step < numbers.window && onward_motion(head.rows.q.col(j)) > 0.0;
+    if (fit.zero && steady) report_joint_scale(fit, findings);
+    const double range = range_of(head.rows.dq.col(j));
+    check_quantised(head, fit, range, findings);
+    if (!fit.clear && std::abs(fit.correlation) < numbers.related && steady) report_unrelated(head, fit, findings);
     if (!fit.clear) continue;
     if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
-    joints.push_back(j);
-    fits.push_back(fit);
     // A delay reduces the factor, by the cosine of its phase at the frequency of the motion.
-    if (check_delay(head, j, findings) && fit.factor < 1.0 && fit.factor > 1.0 - numbers.clock_error) {
-      joints.pop_back();
-      fits.pop_back();
-    }
+    const bool delayed = check_delay(head, j, findings);
+    if (!delayed || fit.factor >= 1.0 || fit.factor <= 1.0 - numbers.clock_error) fits.push_back(fit);
   }
-  report_scales(head, joints, fits, findings);
+  report_scales(head, fits, findings);
 }
 
 }  // namespace veridyn::quality

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "recordings/kept_recordings.hpp"
 #include "recordings/quality/quality_checks.hpp"
@@ -15,34 +16,58 @@ namespace {
 
 using Source = std::function<Recording(int)>;
 
-// The last rows of a piece, prepended to the next one.
-Recording joined(const Recording& before, const Recording& next) {
-  const int context = std::min(before.rows(), quality::kContext);
-  Recording both;
-  both.source = next.source;
-  both.time.resize(context + next.rows());
-  both.time << before.time.tail(context), next.time;
-  for (const RecordingSignal& signal : kRecordingSignals) {
-    const MatrixXd& values = next.*signal.values;
-    if (values.cols() == 0) continue;
-    (both.*signal.values).resize(context + next.rows(), values.cols());
-    both.*signal.values << (before.*signal.values).bottomRows(context), values;
+// Numbers beyond +-1e6, which become gaps.
+class AbsurdNumbers {
+ public:
+  void clear(Recording* rows) {
+    for (int k = 0; k < rows->rows(); ++k) {
+      const long before = numbers_;
+      for (const RecordingSignal& signal : kRecordingSignals) {
+        for (double& value : (rows->*signal.values).row(k)) {
+          if (!(std::abs(value) > quality::numbers.absurd)) continue;
+          value = quality::kNone;
+          ++numbers_;
+        }
+      }
+      if (before == 0 && numbers_ > 0) first_time_ = rows->time[k];
+      bad_rows_ += numbers_ > before ? 1 : 0;
+    }
+    rows_ += rows->rows();
   }
-  return both;
+
+  double share() const { return quality::share_of(bad_rows_, rows_); }
+
+  void conclude(quality::Findings* findings) const {
+    if (numbers_ == 0) return;
+    findings->add(Severity::kFault, "absurd_numbers", {}, {share(), static_cast<double>(numbers_), "numbers"},
+                  text(quality::counted(numbers_, "number"), " beyond +-1e6 in ", quality::percent(share()), " of the rows, the first at t = ",
+                       quality::number(first_time_), " s: the file is broken",
+                       share() < quality::numbers.hopeless_share ? " there." : "; its motion is not judged."));
+  }
+
+ private:
+  long rows_ = 0, bad_rows_ = 0, numbers_ = 0;
+  double first_time_ = 0.0;
+};
+
+template <typename List, typename Condition>
+void erase_if(List& list, const Condition& condition) {
+  list.erase(std::remove_if(list.begin(), list.end(), condition), list.end());
 }
 
-// Excludes saturation that is an effect of a slowly refreshed torque, which holds its extreme as well.
-void exclude_held_values(RecordingQuality& quality) {
-  const auto is_held = [&quality](const std::string& signal, int joint) {
-    return std::any_of(quality.findings.begin(), quality.findings.end(),
+// Excludes findings that are effects of others: saturation of a slowly refreshed torque, which holds its extreme as well, and
+// rates that follow from times in another unit.
+void exclude_effects(RecordingQuality& quality) {
+  const auto is_held = [all = quality.findings](const std::string& signal, int joint) {
+    return std::any_of(all.begin(), all.end(),
                        [&](const QualityFinding& f) { return f.finding == "stale_signal" && f.signal == signal && f.joint == joint; });
   };
-  const auto last = std::remove_if(quality.saturated.begin(), quality.saturated.end(), [&](const SaturatedInterval& one) { return is_held("tau", one.joint + 1); });
-  quality.saturated.erase(last, quality.saturated.end());
-  const auto end = std::stable_partition(quality.findings.begin(), quality.findings.end(), [&](const QualityFinding& f) {
-    return f.finding != "saturation" || !is_held(f.signal, f.joint);
+  erase_if(quality.saturated, [&](const SaturatedInterval& one) { return is_held("tau", one.joint + 1); });
+  const bool other_unit = quality.find("time_unit") != nullptr;
+  erase_if(quality.findings, [&](const QualityFinding& f) {
+    const bool of_rate = f.finding == "rate_contradiction" || f.finding == "sample_rate";
+    return (f.finding == "saturation" && is_held(f.signal, f.joint)) || (other_unit && of_rate);
   });
-  quality.findings.erase(end, quality.findings.end());
 }
 
 // Runs all tallies over all rows. The first rows have been read already.
@@ -51,22 +76,16 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
   RecordingQuality quality;
   quality.file = file;
   quality.joints = head_rows.joints();
-  quality::Findings findings(file);
-  quality::AbsurdTally absurd;
-  absurd.clean(&head_rows, 0);
+  quality::Findings findings(&quality);
+  AbsurdNumbers absurd;
+  absurd.clear(&head_rows);
   const double first_time = head_rows.time[0];
 
   const quality::Head head(head_rows);
-  quality::TimeTally time(head);
-  quality::RowTally rows(head);
-  quality::JumpTally jumps(head);
-  quality::ClipTally clips(head);
+  const std::unique_ptr<quality::Tally> rows = row_tally(head), time = time_tally(head), jumps = jump_tally(head), clips = clip_tally(head);
   Recording last;
   const auto add = [&](const quality::Piece& piece) {
-    time.add(piece);
-    rows.add(piece);
-    jumps.add(piece);
-    clips.add(piece);
+    for (quality::Tally* tally : {rows.get(), time.get(), jumps.get(), clips.get()}) tally->add(piece);
     quality.rows += piece.rows.rows() - piece.fresh;
     quality.duration = piece.rows.time[piece.rows.rows() - 1] - first_time;
     const int context = std::min(piece.rows.rows(), quality::kContext);
@@ -74,40 +93,38 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
   };
   add({head_rows, 0});
   for (Recording next = source(quality::kPieceRows); next.rows() > 0; next = source(quality::kPieceRows)) {
-    absurd.clean(&next, 0);
-    const Recording piece = joined(last, next);
-    add({piece, piece.rows() - next.rows()});
+    absurd.clear(&next);
+    Recording piece = std::move(last);
+    const int fresh = piece.rows();
+    append(piece, std::move(next));
+    add({piece, fresh});
   }
 
   absurd.conclude(&findings);
-  rows.conclude(&findings);
+  rows->conclude(&findings);
   if (quality.rows > 1) quality.rate = 1.0 / head.step;
-  if (quality.rows >= quality::numbers.fewest_rows) {
-    time.conclude(&findings);
-    if (absurd.share() < quality::numbers.hopeless_share) {
-      jumps.conclude(&findings);
-      clips.conclude(&findings, &quality.saturated);
-      quality::check_motion(head, &findings);
-      quality::check_velocities(head, &findings);
-      quality::check_stale_signals(head, &findings);
-      quality::check_saturated_plateaus(head, &findings);
-      quality::check_torque_steps(head, &findings);
-      quality::check_start_up(head, &findings);
-      quality.period = detect_period(head_rows);
-      quality::check_period(quality.period, &findings);
-    }
+  if (quality.rows < quality::numbers.fewest_rows) {
+    findings.add(Severity::kWarning, "short_recording", {}, {quality::kNone, static_cast<double>(quality.rows), "rows"},
+                 text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
   } else {
-    findings.add(
-        Severity::kWarning, "short_recording", {},
-        {quality::kNone, static_cast<double>(quality.rows), "rows"},
-        text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
+    time->conclude(&findings);
+    if (absurd.share() < quality::numbers.hopeless_share) {
+      jumps->conclude(&findings);
+      clips->conclude(&findings);
+      for (const auto check : {quality::check_motion, quality::check_velocities, quality::check_stale_signals, quality::check_saturated_plateaus,
+                               quality::check_torque_steps, quality::check_start_up}) {
+        check(head, &findings);
+      }
+      quality.period = detect_period(head_rows);
+      if (quality.period.found())
+        findings.add(Severity::kInfo, "period", {}, {quality::kNone, quality.period.seconds, "s"},
+                     text("The motion repeats every ", quality.period.seconds, " s, ", quality::number(quality.period.repeats),
+                          " times: repeats give the noise floor."));
+    }
   }
-  quality.findings = std::move(findings).sorted();
-  exclude_held_values(quality);
-  if (quality.find("time_unit") != nullptr) {  // both findings would have the same cause
-    const auto same = [](const QualityFinding& f) { return f.finding == "rate_contradiction" || f.finding == "sample_rate"; };
-    quality.findings.erase(std::remove_if(quality.findings.begin(), quality.findings.end(), same), quality.findings.end());
-  }
+  std::stable_sort(quality.findings.begin(), quality.findings.end(),
+                   [](const QualityFinding& a, const QualityFinding& b) { return a.severity > b.severity; });
+  exclude_effects(quality);
   return quality;
 }
 

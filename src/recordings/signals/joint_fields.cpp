@@ -1,61 +1,42 @@
 #include "recordings/signals/joint_fields.hpp"
 
-#include <algorithm>
 #include <cctype>
 #include <map>
-#include <set>
+#include <utility>
 
 #include "files/words.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
+// Meaning of a word in the name of a column: a signal (an index into kRecordingSignals), or one of those below.
 constexpr int kQ = 0, kDq = 1, kDdq = 2, kTau = 3, kCurrent = 4;
+constexpr int kNone = -1;     // a word of another kind, such as the name of a joint
+constexpr int kForeign = -2;  // the column is not measured, or does not belong to a joint
+constexpr int kFiller = -3;   // no information: `actual q 0` means `q 0`
+constexpr int kUnit = -4;
 
-// Words that name a signal, alone or as a pair in this order.
-const std::map<std::string, int>& signal_words() {
-  static const std::map<std::string, int> kWords = {
-      {"q", kQ}, {"pos", kQ}, {"position", kQ}, {"positions", kQ}, {"angle", kQ}, {"angles", kQ},
-      {"qpos", kQ}, {"theta", kQ}, {"jointpos", kQ}, {"posn", kQ},
-      {"dq", kDq}, {"qd", kDq}, {"qdot", kDq}, {"vel", kDq}, {"velocity", kDq}, {"velocities", kDq},
-      {"speed", kDq}, {"speeds", kDq}, {"qvel", kDq}, {"dtheta", kDq}, {"omega", kDq},
-      {"jointvel", kDq},
-      {"ddq", kDdq}, {"qdd", kDdq}, {"qddot", kDdq}, {"acc", kDdq}, {"accel", kDdq},
-      {"acceleration", kDdq}, {"accelerations", kDdq}, {"qacc", kDdq},
-      {"tau", kTau}, {"torque", kTau}, {"torques", kTau}, {"effort", kTau}, {"efforts", kTau},
-      {"eff", kTau}, {"trq", kTau}, {"qfrc", kTau}, {"force", kTau}, {"taus", kTau},
-      {"i", kCurrent}, {"current", kCurrent}, {"currents", kCurrent}, {"cur", kCurrent},
-      {"amps", kCurrent}};
-  return kWords;
-}
-
-// True for words of signals that are not measured, or do not belong to a joint.
-bool is_foreign(const std::string& word) {
-  static const std::set<std::string> kForeign = {
-      "target", "desired", "des",   "d",      "cmd",      "command", "commanded", "ref",
-      "reference", "setpoint", "goal", "error", "err",     "limit",   "min",  "max", "tcp", "tool",
-      "cartesian", "ee", "elbow_d", "wrench", "pose", "ext", "external", "std", "offset", "gravity",
-      "temperature", "twist", "stamp", "header", "linear", "angular", "sensor", "ft", "imu"};
-  return kForeign.count(word) > 0;
-}
-
-// True for words without information: `actual q 0` means `q 0`.
-bool is_filler(const std::string& word) {
-  static const std::set<std::string> kFiller = {"actual", "measured", "meas", "motor", "field",
-                                                "state",  "actuator", "real", "msr",   "joints"};
-  return kFiller.count(word) > 0;
-}
-
-bool is_unit(const std::string& word) {
-  static const std::set<std::string> kUnits = {"deg",  "rad", "mm",  "rads", "degs", "nm",
-                                               "mrad", "mnm", "ma"};
-  return kUnits.count(word) > 0;
-}
-
-bool is_digits(const std::string& word) {
-  return !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isdigit(c) != 0;
-  });
+int meaning_of(const std::string& word) {
+  static const std::pair<int, const char*> kWords[] = {
+      {kQ, "q pos position positions angle angles qpos theta jointpos posn"},
+      {kDq, "dq qd qdot vel velocity velocities speed speeds qvel dtheta omega jointvel"},
+      {kDdq, "ddq qdd qddot acc accel acceleration accelerations qacc"},
+      {kTau, "tau torque torques effort efforts eff trq qfrc force taus"},
+      {kCurrent, "i current currents cur amps"},
+      {kForeign, "target desired des d cmd command commanded ref reference setpoint goal error err limit min max"},
+      {kForeign, "tcp tool cartesian ee wrench pose ext external std offset gravity temperature twist stamp header"},
+      {kForeign, "linear angular sensor ft imu"},
+      {kFiller, "actual measured meas motor field state actuator real msr joints"},
+      {kUnit, "deg rad mm rads degs nm mrad mnm ma"}};
+  static const std::map<std::string, int> kMeanings = [] {
+    std::map<std::string, int> meanings;
+    for (const auto& [meaning, words] : kWords) {
+      for (const std::string& one : split(words, ' ')) meanings[one] = meaning;
+    }
+    return meanings;
+  }();
+  const auto found = kMeanings.find(word);
+  return found == kMeanings.end() ? kNone : found->second;
 }
 
 // A word of a name, and its position.
@@ -66,25 +47,14 @@ struct Word {
 
 std::vector<Word> pieces_of(const std::string& name) {
   std::vector<Word> words;
-  const auto kind = [](char c) {
-    const auto u = static_cast<unsigned char>(c);
-    return std::isdigit(u) != 0 ? 2 : std::isalpha(u) != 0 ? 1 : 0;
-  };
-  for (std::size_t k = 0; k < name.size();) {
-    const int now = kind(name[k]);
-    if (now == 0) {
-      ++k;
-      continue;
-    }
-    std::size_t end = k + 1;
-    while (end < name.size() && kind(name[end]) == now) {
-      const bool hump = std::isupper(static_cast<unsigned char>(name[end])) != 0 &&
-                        std::islower(static_cast<unsigned char>(name[end - 1])) != 0;
-      if (hump) break;
-      ++end;
-    }
+  const auto is = [&name](int (*kind)(int), std::size_t k) { return kind(static_cast<unsigned char>(name[k])) != 0; };
+  for (std::size_t k = 0, end = 0; k < name.size(); k = end) {
+    end = k + 1;
+    if (!is(std::isalnum, k)) continue;
+    const bool digit = is(std::isdigit, k);
+    const auto hump = [&](std::size_t at) { return is(std::isupper, at) && is(std::islower, at - 1); };
+    while (end < name.size() && is(std::isalnum, end) && is(std::isdigit, end) == digit && !hump(end)) ++end;
     words.push_back({lower(name.substr(k, end - k)), k, end});
-    k = end;
   }
   return words;
 }
@@ -94,9 +64,9 @@ std::string without_unit(const std::string& name) {
   const std::size_t open = name.find_last_of("[(");
   if (open == std::string::npos || open == 0) return name;
   const std::string inner = name.substr(open + 1, name.find_last_of("])") - open - 1);
-  if (is_digits(inner)) return name;
+  if (is_number(inner)) return name;
   // `q(elbow)` contains the joint; `q [deg]` the unit.
-  const bool unit = name[open] == '[' || (name[open - 1] == ' ') || is_unit(lower(inner));
+  const bool unit = name[open] == '[' || (name[open - 1] == ' ') || meaning_of(lower(inner)) == kUnit;
   return unit ? name.substr(0, open) : name;
 }
 
@@ -107,9 +77,8 @@ struct Found {
 
 // The signal at word k, with all words that belong to it: `tau J`, `q dot`, `joint position`.
 Found signal_at(const std::vector<Word>& words, std::size_t k) {
-  const auto found = signal_words().find(words[k].text);
-  if (found == signal_words().end()) return {};
-  Found out{found->second, k, k};
+  Found out{meaning_of(words[k].text), k, k};
+  if (out.signal < 0) return {};
   const std::string next = k + 1 < words.size() ? words[k + 1].text : "";
   if (out.signal == kQ && (next == "dot" || next == "ddot" || next == "dd")) {
     out.signal = next == "dot" ? kDq : kDdq;
@@ -136,8 +105,7 @@ std::string unit_in(const std::string& name) {
   }
   const std::vector<Word> words = pieces_of(name);
   for (std::size_t k = words.size(); k-- > 1;) {
-    if (is_digits(words[k].text)) continue;
-    return is_unit(words[k].text) ? words[k].text : std::string();
+    if (!is_number(words[k].text)) return meaning_of(words[k].text) == kUnit ? words[k].text : std::string();
   }
   return {};
 }
@@ -149,8 +117,9 @@ RawField field_of(const std::string& path) {
   std::vector<Word> words;
   for (Word& word : pieces_of(name)) {
     const bool first = words.empty();
-    if (is_foreign(word.text) && !(first && word.text == "d")) return field;
-    if (is_filler(word.text) || (is_unit(word.text) && !first)) continue;
+    const int meaning = meaning_of(word.text);
+    if (meaning == kForeign && !(first && word.text == "d")) return field;
+    if (meaning == kFiller || (meaning == kUnit && !first)) continue;
     words.push_back(std::move(word));
   }
   if (words.empty()) return field;

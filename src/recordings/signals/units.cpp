@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "files/words.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -17,56 +18,60 @@ constexpr long kDirection = 1024;
 /// Units of shares, with the number that corresponds to the whole.
 constexpr std::pair<const char*, double> kShares[] = {{"%", 100.0}, {"permille", 1000.0}, {"share", 1.0}};
 
-bool is_share(const std::string& unit) {
-  return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return unit == share.first || unit == std::string("-") + share.first; });
-}
-
 struct Unit {
   const char* signal;
   const char* unit;
   double factor;
 };
 
-const Unit* units_begin() {
-  static const Unit kUnits[] = {
-      {"q", "rad", 1.0},          {"q", "m", 1.0},
-      {"q", "deg", kPi / 180.0},  {"q", "mm", 1e-3},
-      {"q", "mrad", 1e-3},        {"q", "rev", 2.0 * kPi},
-      {"dq", "rad/s", 1.0},       {"dq", "m/s", 1.0},
-      {"dq", "deg/s", kPi / 180.0}, {"dq", "deg", kPi / 180.0},
-      {"dq", "mm/s", 1e-3},       {"dq", "mm", 1e-3},
-      {"dq", "mrad/s", 1e-3},     {"dq", "rpm", kPi / 30.0},
-      {"ddq", "rad/s2", 1.0},     {"ddq", "m/s2", 1.0},
-      {"ddq", "deg/s2", kPi / 180.0}, {"ddq", "deg", kPi / 180.0},
-      {"ddq", "mm/s2", 1e-3},     {"tau", "Nm", 1.0},
-      {"tau", "N", 1.0},          {"tau", "mNm", 1e-3},
-      {"tau", "Ncm", 1e-2},       {"tau", "Nmm", 1e-3},
-      {"tau", "kNm", 1e3},        {"tau", "kgcm", 0.0980665},
-      {"tau", "ozin", 7.0615518e-3}, {"tau", "lbin", 0.11298483},
-      {"tau", "A", 1.0},
-      {"tau", "mA", 1e-3},        {"i", "A", 1.0},
-      {"i", "mA", 1e-3},          {"t", "s", 1.0},
-      {"t", "ms", 1e-3},          {"t", "us", 1e-6},
-      {"t", "ns", 1e-9},          {"t", "min", 60.0},
-      {nullptr, nullptr, 0.0}};
-  return kUnits;
+const Unit kUnits[] = {
+    {"q", "rad", 1.0},          {"q", "m", 1.0},
+    {"q", "deg", kPi / 180.0},  {"q", "mm", 1e-3},
+    {"q", "mrad", 1e-3},        {"q", "rev", 2.0 * kPi},
+    {"dq", "rad/s", 1.0},       {"dq", "m/s", 1.0},
+    {"dq", "deg/s", kPi / 180.0}, {"dq", "deg", kPi / 180.0},
+    {"dq", "mm/s", 1e-3},       {"dq", "mm", 1e-3},
+    {"dq", "mrad/s", 1e-3},     {"dq", "rpm", kPi / 30.0},
+    {"ddq", "rad/s2", 1.0},     {"ddq", "m/s2", 1.0},
+    {"ddq", "deg/s2", kPi / 180.0}, {"ddq", "deg", kPi / 180.0},
+    {"ddq", "mm/s2", 1e-3},     {"tau", "Nm", 1.0},
+    {"tau", "N", 1.0},          {"tau", "mNm", 1e-3},
+    {"tau", "Ncm", 1e-2},       {"tau", "Nmm", 1e-3},
+    {"tau", "kNm", 1e3},        {"tau", "kgcm", 0.0980665},
+    {"tau", "ozin", 7.0615518e-3}, {"tau", "lbin", 0.11298483},
+    {"tau", "A", 1.0},
+    {"tau", "mA", 1e-3},        {"i", "A", 1.0},
+    {"i", "mA", 1e-3},          {"t", "s", 1.0},
+    {"t", "ms", 1e-3},          {"t", "us", 1e-6},
+    {"t", "ns", 1e-9},          {"t", "min", 60.0}};
+
+std::string without_sign(const std::string& unit) {
+  return unit.substr(starts_with(unit, "-") ? 1 : 0);
 }
 
-bool turns_only(std::string unit) {
-  if (unit.rfind('-', 0) == 0) unit.erase(0, 1);
-  return unit.rfind("deg", 0) == 0 || unit.rfind("mrad", 0) == 0 || unit == "rev" ||
-         unit == "rpm" || unit.rfind("rad", 0) == 0;
-}
-
-bool slides_only(std::string unit) {
-  if (unit.rfind('-', 0) == 0) unit.erase(0, 1);
-  return unit.rfind("mm", 0) == 0;
+bool is_share(const std::string& unit) {
+  return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return without_sign(unit) == share.first; });
 }
 
 // True for degrees where the joint is known to slide, and millimetres where it is known to turn.
 bool of_other_joints(const SignalChoice& choice, const std::string& unit, int joint) {
   if (joint < 1 || static_cast<std::size_t>(joint) > choice.joints.size()) return false;
-  return choice.joints[joint - 1].prismatic ? turns_only(unit) : slides_only(unit);
+  const std::string size = without_sign(unit);
+  if (!choice.joints[joint - 1].prismatic) return starts_with(size, "mm");
+  return starts_with(size, "deg") || starts_with(size, "mrad") || size == "rev" || size == "rpm" || starts_with(size, "rad");
+}
+
+// The signal and the number of a key such as `tau1`; number 0: all joints, or one that no arm has.
+struct UnitKey {
+  std::string signal;
+  int joint = 0;
+  bool of_one = false;
+};
+
+UnitKey unit_key(const std::string& key) {
+  const std::size_t digits = key.find_last_not_of("0123456789") + 1;
+  const bool of_one = digits < key.size();
+  return {key.substr(0, digits), of_one && key.size() - digits <= 6 ? std::stoi(key.substr(digits)) : 0, of_one};
 }
 
 }  // namespace
@@ -93,8 +98,8 @@ std::optional<UnitScale> unit_scale(const std::string& signal, const std::string
     if (scale) scale->zero += zero;
     return scale;
   }
-  for (const Unit* u = units_begin(); u->signal != nullptr; ++u) {
-    if (signal == u->signal && unit == u->unit) return UnitScale{u->factor};
+  for (const Unit& u : kUnits) {
+    if (signal == u.signal && unit == u.unit) return UnitScale{u.factor};
   }
   const double upper = joint != nullptr ? joint->upper : 1.0, lower = joint != nullptr ? joint->lower : -1.0;
   const double effort = joint != nullptr ? joint->effort : 1.0;
@@ -127,7 +132,7 @@ const char* unit_of_clock(double step) {
 }
 
 bool is_current_unit(const std::string& unit) {
-  return unit == "A" || unit == "mA" || unit == "-A" || unit == "-mA";
+  return without_sign(unit) == "A" || without_sign(unit) == "mA";
 }
 
 std::string unit_of(const SignalChoice& choice, const std::string& signal, int joint) {
@@ -146,11 +151,10 @@ UnitScale scale_for(const SignalChoice& choice, const std::string& signal, int j
 
 void require_known_units(const SignalChoice& choice) {
   for (const auto& [key, unit] : choice.units) {
-    const std::size_t digits = key.find_last_not_of("0123456789") + 1;
-    const std::string signal = key.substr(0, digits);
+    const std::string signal = unit_key(key).signal;
     std::string known;
-    for (const Unit* u = units_begin(); u->signal != nullptr; ++u) {
-      if (signal == u->signal) known += (known.empty() ? "" : ", ") + std::string(u->unit);
+    for (const Unit& u : kUnits) {
+      if (signal == u.signal) known += (known.empty() ? "" : ", ") + std::string(u.unit);
     }
     require(!known.empty(), "--units: found '", key, "', expected t, q, dq, ddq, tau or i.");
     require(unit_factor(signal, unit).has_value(), "--units: found '", key, "=", unit,
@@ -171,12 +175,11 @@ void require_joints_of(const SignalChoice& choice, int joints, const std::string
     }
   }
   for (const auto& [key, unit] : choice.units) {
-    const std::size_t digits = key.find_last_not_of("0123456789") + 1;
-    if (digits == key.size()) continue;
-    const int joint = key.size() - digits <= 6 ? std::stoi(key.substr(digits)) : 0;
+    const auto [signal, joint, of_one] = unit_key(key);
+    if (!of_one) continue;
     require(joint >= 1 && joint <= joints, "--units: found '", key, "', but ", path, " has ", joints,
             joints == 1 ? " joint." : " joints.");
-    require(key.rfind("tau", 0) != 0 || !is_current_unit(unit), "--units: found '", key, "=", unit,
+    require(signal != "tau" || !is_current_unit(unit), "--units: found '", key, "=", unit,
             "', expected tau=", unit, ": currents of all joints.");
     if (!of_other_joints(choice, unit, joint)) continue;
     throw InvalidInput(text("--units: found '", key, "=", unit, "', but joint ", joint,

@@ -48,6 +48,7 @@ bool is_row_of_numbers(std::string_view line);
 CsvLayout layout_from_header(std::string_view header, const std::string& where);
 
 /// Layout of a file without a header.
+/// @param columns  signals, as "t", "q", "dq", or one name for each column, as "q1", "dq1", "q2".
 /// @throws InvalidInput  an unknown signal, or a number of columns that the signals cannot share.
 CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,
                               const std::string& where);
