@@ -7,7 +7,6 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "math/student_t.hpp"
-#include "diagnosis/watch/event_words.hpp"
 
 namespace veridyn::watching {
 
@@ -470,7 +469,7 @@ void ChangeFinder::discard_suspicion(const Blindness& blindness) {
     open_.reset();
     reset();
   }
-  e.sentence = blind_sentence(e, blindness.why);
+  e.sentence = blindness.why;
   events_.push_back(std::move(e));
 }
 
@@ -493,7 +492,6 @@ void ChangeFinder::finish(double now) {
 
 void ChangeFinder::emit(WatchEvent e) {
   e.text = to_text(arm_, e.cause);
-  e.sentence = sentence(e);
   events_.push_back(std::move(e));
 }
 

@@ -123,7 +123,7 @@ void Hypotheses::add_effects(const StepMotion& motion, const MatrixXd& rigid, An
       if (of_effect == nullptr) continue;
       of_effect->level = std::max(of_effect->level, std::abs(force));
       of_effect->fastest = std::max(of_effect->fastest, speed);
-      if (speed < numbers_.rest_share * of_effect->fastest)
+      if (speed < std::max(numbers_.rest_share * of_effect->fastest, motion.spacing * std::abs(samples[k].dds)))
         out.rest_friction.row(k) += (of_effect->level * c.transpose()).cwiseAbs();
     }
   }

@@ -26,6 +26,7 @@ struct Hypothesis {
 struct StepMotion {
   VectorXd time;
   MatrixXd q, dq, ddq;
+  double spacing = 0.0;  ///< [s] between new values of the slowest signal
 };
 
 /// Torques of an identified model along a continuing motion, and the contribution of every hypothesis. Effects
@@ -42,7 +43,8 @@ class Hypotheses {
     MatrixXd torque;                ///< (rows x n) of the model
     std::vector<MatrixXd> parts;    ///< (rows x n): gravity, motion of the bodies, effects; absolute
     std::vector<MatrixXd> columns;  ///< (rows x n), one for each hypothesis
-    /// (rows x n) dry friction of axes at rest, which is undetermined within this bound.
+    /// (rows x n) dry friction of axes at rest, or whose velocity may have changed its sign between two values:
+    /// it is undetermined within this bound.
     MatrixXd rest_friction;
   };
   void evaluate(const StepMotion& motion, Answer& out);

@@ -5,9 +5,9 @@
 
 namespace veridyn::watching {
 
-void StepBuilder::add(const SmoothedRow& row, double dt) {
+void StepBuilder::add(const SmoothedRow& row, double dt, double spacing) {
   rows_.push_back(row);
-  if (static_cast<long>(rows_.size()) >= std::max(1L, std::lround(seconds_ / dt))) finish();
+  if (static_cast<long>(rows_.size()) >= std::max(1L, std::lround(seconds_ / dt))) finish(spacing);
 }
 
 void StepBuilder::restart() {
@@ -16,10 +16,10 @@ void StepBuilder::restart() {
   hypotheses_.reset();
 }
 
-void StepBuilder::finish() {
+void StepBuilder::finish(double spacing) {
   const auto count = static_cast<Eigen::Index>(rows_.size());
   const Eigen::Index n = rows_.front().q.size();
-  StepMotion motion{VectorXd(count), MatrixXd(count, n), MatrixXd(count, n), MatrixXd(count, n)};
+  StepMotion motion{VectorXd(count), MatrixXd(count, n), MatrixXd(count, n), MatrixXd(count, n), spacing};
   MatrixXd tau(count, n);
   for (Eigen::Index k = 0; k < count; ++k) {
     const SmoothedRow& row = rows_[k];

@@ -17,11 +17,12 @@ class StepBuilder {
 
   std::function<void(const Step&)> on_step;
 
-  void add(const SmoothedRow& row, double dt);
+  /// @param spacing  [s] between new values of the slowest signal.
+  void add(const SmoothedRow& row, double dt, double spacing);
   void restart();
 
  private:
-  void finish();
+  void finish(double spacing);
 
   Hypotheses& hypotheses_;
   double seconds_;

@@ -19,8 +19,8 @@ struct WatchNumbers {
   double pause = 0.5;
   /// torques of all joints <= no_torque * their rms: no drive is on.
   double no_torque = 0.02;
-  /// repeats of a row < repeats: they are stale; more mean rest.
-  int repeats = 20;
+  /// a signal stays the same for <= held [s]: its next value is awaited, and it is interpolated; longer means rest.
+  double held = 0.1;
   /// seconds of the quiet beginning >= judged * learn: velocities are judged; the other half is learned with
   /// them or without.
   double judged = 0.5;
@@ -37,6 +37,13 @@ struct WatchNumbers {
   double jump_of_way = 0.3;
   /// ... jump > smallest_jump_turning [rad], smallest_jump_sliding [m]: less is within the play of a joint.
   double smallest_jump_turning = 5e-4, smallest_jump_sliding = 1e-4;
+
+  // A clock that goes wrong.
+  /// velocities by the derivative of the positions, over clock_memory [s], differ from one by > clock_error on all joints
+  /// together, and also without any one of them: the clock is wrong, or another unit.
+  double clock_memory = 0.2, clock_error = 0.1;
+  /// speed > clock_speed * the largest one: the joints move.
+  double clock_speed = 0.05;
 
   // Noise of the quiet arm.
   /// steps >= steps_for_pole * kOrder, else the noise counts as white.
@@ -108,6 +115,8 @@ namespace watching {
 
 /// times are equal within kSameTime = a millionth of a step.
 constexpr double kSameTime = 1e-6;
+/// half the smoothing's window >= kHalfWindow new values of each position and velocity.
+constexpr double kHalfWindow = 3.0;
 /// order of the autoregressions = kOrder, for the residuals of smoothing and friction.
 constexpr int kOrder = 2;
 /// time since the last learned step < kFollows steps: the step follows without a gap; times are multiples of the step.
