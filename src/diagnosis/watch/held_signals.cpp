@@ -2,10 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::watching {
+namespace {
+
+// change of a value >= kFine of the smallest ones of its signal: equal values between are no coincidence.
+constexpr double kFine = 4.0;
+
+}  // namespace
 
 std::optional<HeldSignals::Stopped> HeldSignals::compare(const Row& row, const VectorXd& path, const VectorXd& fastest,
                                                          std::optional<double> sound) {
@@ -61,12 +69,20 @@ std::optional<Row> HeldSignals::next() {
 }
 
 double HeldSignals::refresh_time(const std::deque<Row>& rows, Eigen::Index signals, double longest) {
-  const double whole = rows.back().t - rows.front().t;
   double slowest = 0.0;
   for (Eigen::Index i = 0; i < signals; ++i) {
-    double changes = 0.0;
-    for (size_t k = 1; k < rows.size(); ++k) changes += rows[k].x[i] != rows[k - 1].x[i] ? 1.0 : 0.0;
-    if (changes * longest >= whole) slowest = std::max(slowest, whole / changes);
+    const auto change = [&](size_t k) { return std::abs(rows[k].x[i] - rows[k - 1].x[i]); };
+    double resolution = kInfinity;
+    for (size_t k = 1; k < rows.size(); ++k) resolution = change(k) > 0.0 ? std::min(resolution, change(k)) : resolution;
+    double held = 0.0, count = 0.0, since = rows.front().t;
+    for (size_t k = 1; k < rows.size(); ++k) {
+      if (!(change(k) > 0.0)) continue;
+      const double time = rows[k].t - std::exchange(since, rows[k].t);
+      if (time > longest || change(k) < kFine * resolution) continue;
+      held += time;
+      count += 1.0;
+    }
+    if (count > 0.0) slowest = std::max(slowest, held / count);
   }
   return slowest;
 }

@@ -43,7 +43,8 @@ class HeldSignals {
   /// The clock was set back.
   void set_back(double by) { since_.array() -= by; }
 
-  /// [s] between new values of the slowest of the first `signals` entries of these rows, of those that change.
+  /// [s] between new values of the slowest of the first `signals` entries of these rows. What stays for > longest [s], or
+  /// changes in its last digits only, does not count: a joint rests, or is slow.
   static double refresh_time(const std::deque<Row>& rows, Eigen::Index signals, double longest);
 
  private:

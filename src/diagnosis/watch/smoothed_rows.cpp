@@ -144,29 +144,32 @@ void SmoothedRows::add(const Recording& rows) {
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
     copy_row(rows, k, row);
-    if (!std::isfinite(row.t) || !is_clock_continuous(row.t)) continue;
-    if (const std::string why = fault(row); !why.empty()) {
-      mark_unusable(row.t, why);
-      continue;
-    }
+    if (!std::isfinite(row.t)) continue;
     if (dt_ > 0.0) {
-      place(row);
+      take(row);
       continue;
     }
     start_.push_back(row);
-    if (start_.size() < static_cast<size_t>(numbers_.rows_for_step)) continue;
+    const bool enough = k + 1 == rows.rows() || row.t - start_.front().t > kStart * numbers_.pause;
+    if (!enough || start_.size() < static_cast<size_t>(numbers_.rows_for_step)) continue;
     begin();
     require(dt_ > 0.0, rows.source, ": found times that do not rise, expected a clock.");
-    for (const Row& one : std::exchange(start_, {})) {
-      if (is_clock_continuous(one.t)) place(one);
-    }
+    for (const Row& one : std::exchange(start_, {})) take(one);
   }
+}
+
+void SmoothedRows::take(const Row& row) {
+  if (!is_clock_continuous(row.t)) return;
+  const std::string why = fault(row);
+  why.empty() ? place(row) : mark_unusable(row.t, why);
 }
 
 // The time step is that of the rows; the window of the smoothing holds some new values of each position and velocity.
 void SmoothedRows::begin() {
   std::vector<double> times;
-  for (const Row& one : start_) times.push_back(one.t);
+  for (const Row& one : start_) {
+    if (static_cast<int>(times.size()) < numbers_.rows_for_step) times.push_back(one.t);
+  }
   dt_ = median_step(times);
   if (!(dt_ > 0.0)) return;
   const double refreshed = HeldSignals::refresh_time(start_, 2 * n_, numbers_.held);
@@ -183,8 +186,7 @@ void SmoothedRows::begin() {
   window_ = MatrixXd::Zero(3 * n_, 2 * half_ + 1);
 }
 
-// Reason why a row that follows another one is unusable, or empty. It may only be that the smoothing's window holds too
-// few rows, so that the lines between them have other derivatives.
+// A signal that stopped, or positions and velocities that contradict each other; or empty.
 std::string SmoothedRows::unusable_reason(const Row& row) {
   VectorXd path = VectorXd::Zero(3 * n_);
   path.head(n_) = path_;
@@ -196,6 +198,7 @@ std::string SmoothedRows::unusable_reason(const Row& row) {
 }
 
 void SmoothedRows::place(const Row& row) {
+  // The smoothing's window holds so few rows that the lines between them have other derivatives.
   const double apart = row.t - std::exchange(placed_, row.t);
   std::string sparse;
   if (2.0 * apart > static_cast<double>(half_) * dt_ && apart <= numbers_.pause)
@@ -285,7 +288,7 @@ bool SmoothedRows::are_velocities_off(const Motion& motion) {
   moved2_ = kept * moved2_ + weight;
   excess_ = kept * excess_ + (weight.array() == 0.0).select(0.0, (ratio.array() - 1.0).matrix().cwiseProduct(weight));
   if (!detects_jumps_) return false;
-  const double rest = numbers_.clock_memory / dt_ * std::pow(numbers_.clock_speed * 2.0 * static_cast<double>(reach_) * dt_, 2);
+  const double rest = numbers_.clock_memory / dt_ * std::pow(numbers_.rest_share * 2.0 * static_cast<double>(reach_) * dt_, 2);
   const double moved = moved2_.sum(), excess = excess_.sum();
   if (moved < rest) return velocities_are_off_;
   bool off = true;
@@ -315,13 +318,12 @@ void SmoothedRows::detect_jump(const Motion& motion) {
       --wait;
       continue;
     }
-    const double spread = std::sqrt(spread2_[j]);
     const bool slides = arm_.coordinates()[j].prismatic;
-    const double least = std::max({numbers_.jump_deviations * spread, numbers_.jump_over_largest * largest_[j],
+    const double least = std::max({numbers_.jump_over_largest * largest_[j],
                                    numbers_.jump_of_way * motion.way[j], slides ? numbers_.smallest_jump_sliding : numbers_.smallest_jump_turning});
     jumping += std::abs(size) > 0.5 * least ? 1 : 0;
     if (detects_jumps_ && sees_jumps_ && std::abs(size) > least) {
-      found.push_back({jump_time(j), j, size, spread});
+      found.push_back({jump_time(j), j, size, std::sqrt(spread2_[j])});
       continue;
     }
     spread2_[j] += (size * size - spread2_[j]) / seen_;

@@ -90,6 +90,7 @@ class SmoothedRows {
   void mark_unusable(double time, const std::string& why);
   void mark_usable(double time);
   void begin();
+  void take(const Row& row);
   void place(const Row& row);
   std::string unusable_reason(const Row& row);
   void resample(const Row& row);

@@ -11,7 +11,6 @@
 #include "diagnosis/watch/event_words.hpp"
 #include "diagnosis/watch/evidence.hpp"
 #include "diagnosis/watch/smoothed_rows.hpp"
-#include "diagnosis/watch/step_builder.hpp"
 #include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn {
@@ -32,21 +31,11 @@ void check(const WatchOptions& o, const WatchNumbers& numbers) {
           " s, the shortest memory.");
 }
 
-Recording joined(const Recording& before, const Recording& rows) {
-  if (before.rows() == 0) return rows;
-  Recording out = before;
-  out.time.resize(before.rows() + rows.rows());
-  out.time << before.time, rows.time;
+void require_same_signals(const Recording& before, const Recording& rows) {
   for (const RecordingSignal& signal : kRecordingSignals) {
-    const MatrixXd& first = before.*signal.values;
-    const MatrixXd& then = rows.*signal.values;
-    MatrixXd& all = out.*signal.values;
-    require(first.cols() == then.cols(), rows.source, ": found ", then.cols(), " columns ", signal.name,
-            ", expected ", first.cols(), " as in the rows before.");
-    all.resize(first.rows() + then.rows(), first.cols());
-    if (all.size() > 0) all << first, then;
+    const Eigen::Index expected = (before.*signal.values).cols(), found = (rows.*signal.values).cols();
+    require(before.rows() == 0 || found == expected, rows.source, ": found ", found, " columns ", signal.name, ", expected ", expected, " as in the rows before.");
   }
-  return out;
 }
 
 // [s] from the earliest to the latest of the times that are numbers.
@@ -72,12 +61,19 @@ class Watch::Implementation {
   };
 
   Implementation(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers)
-      : numbers_(numbers), arm_(arm), options_(options), rows_(arm, numbers_), hypotheses_(arm, options.links, numbers_),
-        steps_(hypotheses_, options.step), finder_(arm, hypotheses_.all(), options, numbers_) {
+      : numbers_(numbers), arm_(arm), options_(options), rows_(arm, numbers_),
+        hypotheses_(arm, options.links, options.step, numbers_), finder_(arm, hypotheses_.all(), options, numbers_) {
     check(options, numbers_);
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
-    rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt(), rows_.spacing()); };
-    rows_.on_break = [this] { steps_.restart(); };
+    rows_.on_row = [this](const watching::SmoothedRow& row) {
+      const std::optional<Step> step = hypotheses_.add(row, rows_.dt(), rows_.spacing());
+      if (!step) return;
+      now_ = step->time;
+      finder_.add(*step, state_);
+      state_.time = clock().recorded_time(now_);
+      if (told_) told_(state_);
+    };
+    rows_.on_break = [this] { hypotheses_.restart(); };
     rows_.on_blind = [this](const watching::Blindness& b) {
       if (b.set_back <= 0.0) {
         finder_.discard_suspicion(b);
@@ -89,12 +85,6 @@ class Watch::Implementation {
       state_.alarmed = false;
     };
     rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.jump(jump, now_); };
-    steps_.on_step = [this](const Step& step) {
-      now_ = step.time;
-      finder_.add(step, state_);
-      state_.time = clock().recorded_time(now_);
-      if (told_) told_(state_);
-    };
   }
 
   void learn(const Recording& quiet) {
@@ -108,8 +98,9 @@ class Watch::Implementation {
     if (judged_) {
       watch(rows);
     } else if (rows.rows() > 0) {
-      unassessed_ = joined(unassessed_, rows);
-      if (duration_of(unassessed_.time) >= numbers_.judged * options_.learn && unassessed_.rows() >= numbers_.rows_for_step) assess_signals();
+      require_same_signals(unassessed_, rows);
+      append(unassessed_, rows);
+      if (duration_of(unassessed_.time) >= 0.5 * options_.learn && unassessed_.rows() >= numbers_.rows_for_step) assess_signals();
     }
     note_blindness();
     return take_events();
@@ -195,13 +186,13 @@ class Watch::Implementation {
   // The steps of rows by themselves.
   std::vector<Step> steps_of(const Recording& recorded, const Signals& signals) const {
     watching::SmoothedRows rows(arm_, numbers_);
-    watching::Hypotheses hypotheses(arm_, options_.links, numbers_);
-    watching::StepBuilder steps(hypotheses, options_.step);
+    watching::Hypotheses hypotheses(arm_, options_.links, options_.step, numbers_);
     std::vector<Step> all;
     rows.set_clock(signals.clock);
-    rows.on_row = [&](const watching::SmoothedRow& row) { steps.add(row, rows.dt(), rows.spacing()); };
-    rows.on_break = [&] { steps.restart(); };
-    steps.on_step = [&](const Step& step) { all.push_back(step); };
+    rows.on_row = [&](const watching::SmoothedRow& row) {
+      if (const std::optional<Step> step = hypotheses.add(row, rows.dt(), rows.spacing())) all.push_back(*step);
+    };
+    rows.on_break = [&] { hypotheses.restart(); };
     rows.add(with_sound_velocities(recorded, signals));
     return all;
   }
@@ -214,7 +205,6 @@ class Watch::Implementation {
   Signals signals_;
   watching::SmoothedRows rows_;
   watching::Hypotheses hypotheses_;
-  watching::StepBuilder steps_;
   ChangeFinder finder_;
   WatchState state_;
   std::vector<WatchEvent> events_;
@@ -239,17 +229,8 @@ const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
 const std::vector<std::string>& Watch::remarks() const { return own_->signals_.remarks; }
 
 const char* name_of(WatchStage stage) {
-  switch (stage) {
-    case WatchStage::kSuspected: return "suspected";
-    case WatchStage::kNamed: return "named";
-    case WatchStage::kUnnamed: return "unnamed";
-    case WatchStage::kRefined: return "refined";
-    case WatchStage::kOver: return "over";
-    case WatchStage::kPresent: return "present";
-    case WatchStage::kWithdrawn: return "withdrawn";
-    case WatchStage::kBlind: return "blind";
-  }
-  return "";
+  constexpr const char* kNames[] = {"suspected", "named", "unnamed", "refined", "over", "present", "withdrawn", "blind"};
+  return kNames[static_cast<size_t>(stage)];
 }
 
 }  // namespace veridyn

@@ -100,6 +100,20 @@ TEST(SmoothedRowsOfHeldSignals, AreExactOnLines) {
   }
 }
 
+// The last digit of a joint at rest goes back and forth every 20 ms: that is no slow refresh, and the window stays as it is.
+TEST(SmoothedRowsAtRest, FlickeringDigitsDoNotWidenTheWindow) {
+  Recording still = parabolas(3.0), slow = still;
+  still.q.rowwise() = still.q.row(0).eval();
+  still.dq.setZero();
+  for (Eigen::Index k = 0; k < still.q.rows(); ++k) {
+    still.q(k, 1) += k / 4 % 2 == 0 ? 0.0 : 1e-5;
+    slow.q.row(k) = slow.q.row(k - k % 4).eval();
+  }
+  const double first = 1.0 / kRate;  // [s] of a torque that is not zero
+  EXPECT_NEAR(received_events(file(), {still}).rows.front().time, first + WatchNumbers().half_window, 1e-9);
+  EXPECT_NEAR(received_events(file(), {slow}).rows.front().time, first + kHalfWindow * 4.0 / kRate, 1e-9);
+}
+
 // Currents are torques by the drive gains of the file, and nothing without them.
 TEST(SmoothedRowsOfCurrents, EqualThoseOfTheirTorques) {
   Recording currents = parabolas(2.0);
