@@ -12,7 +12,7 @@ struct WatchNumbers {
   double half_window = 0.05;
   /// the same where velocities are derived, twice, = half_window_of_position [s].
   double half_window_of_position = 0.08;
-  /// rows >= rows_for_step: the time step is their median, of the first seconds where these come at once.
+  /// rows >= rows_for_step: the time step is the median of the first ones.
   int rows_for_step = 30;
   /// time without a row > pause [s]: filters begin anew. Times that fell and rise again for half of it: the clock
   /// was set back.
