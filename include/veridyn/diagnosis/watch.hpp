@@ -132,8 +132,9 @@ class Watch {
   /// Sets a function that is called after every step with the state of the watch; for plots.
   void on_step(std::function<void(const WatchState&)> call);
   const Model& arm() const;
-  /// Sentences on joints whose recorded velocity is not the derivative of the position. They are found in the first
-  /// half of the learning time; all velocities are then derived from the positions.
+  /// Sentences on joints whose recorded velocity is not the derivative of the position, and on a wrong clock. They are
+  /// found in the first half of the learning time; all velocities are then derived from the positions, or times are
+  /// those of the clock that the model agrees with. Events and states keep the times of the rows.
   const std::vector<std::string>& remarks() const;
   /// All events so far.
   const std::vector<WatchEvent>& events() const;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identification/estimation/least_squares.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "math/student_t.hpp"
-#include "diagnosis/watch/event_words.hpp"
 
 namespace veridyn::watching {
 
@@ -15,7 +15,7 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
                            const WatchOptions& options, const WatchNumbers& numbers)
     : numbers_(numbers), arm_(arm), hypotheses_(hypotheses), options_(options),
       noise_(arm, hypotheses, numbers), quantiles_(static_cast<int>(hypotheses.size()), 3, numbers),
-      known_(VectorXd::Zero(hypotheses.size())) {
+      least_(VectorXd::Zero(hypotheses.size())), largest_(least_), known_(least_) {
   for (const double seconds : {numbers.short_memory, numbers.middle_memory, numbers.long_memory}) {
     Memory m;
     m.seconds = seconds;
@@ -23,15 +23,10 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
     m.A = m.b = VectorXd::Zero(known_.size());
     memories_.push_back(m);
   }
-  // The constant offset, which acts independently of the motion.
-  for (int j = 0; j < arm.joints(); ++j) {
-    for (size_t h = 0; h < hypotheses.size(); ++h) {
-      const Hypothesis& one = hypotheses[h];
-      if (!one.along_axis() || one.of.joint->value != j) continue;
-      const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
-      if (!t.uses_velocity && !t.uses_position && !t.uses_acceleration && !t.depends_on_time)
-        offset_of_joint_.push_back(static_cast<int>(h));
-    }
+  for (size_t h = 0; h < hypotheses.size(); ++h) {
+    if (!hypotheses[h].along_axis()) continue;
+    const EffectTraits t = hypotheses[h].traits();
+    if (!t.uses_velocity && !t.uses_position && !t.uses_acceleration && !t.depends_on_time) offset_of_joint_.push_back(static_cast<int>(h));
   }
 }
 
@@ -104,19 +99,23 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
   recent_.push_back(white);
   if (recent_.size() > static_cast<size_t>(numbers_.recent / options_.step)) recent_.pop_front();
   for (Memory& m : memories_) m.add(white);
-  if (refining_) refine(white, step.time);
+  if (change_) {
+    change_->steps.push_back(white);
+    if (change_->named) change_->steps.back().e += white.X(Eigen::all, change_->score.columns) * change_->score.size;
+  }
+  if (change_ && change_->named) refine(step.time);
   detect(step.time, state);
-  if (open_) isolate(step.time, false);
+  if (is_suspected()) isolate(step.time, false);
   update_noise(step, state.strength);
   state.residual = noise_.rest(step, known_);
   state.noise = noise_.deviation();
-  state.alarmed = open_.has_value();
+  state.alarmed = is_suspected();
 }
 
 // Continues learning while nothing changes, and whenever the arm makes an unseen motion.
 void ChangeFinder::update_noise(const Step& step, double strength) {
   const bool relearning = step.time < relearn_until_;
-  if (open_ || (!relearning && (refining_ || strength >= 1.0))) return;
+  if (is_suspected() || (!relearning && (change_ || strength >= 1.0))) return;
   const bool novel = noise_.novel(step);
   unseen_motion_ = novel ? unseen_motion_ + options_.step : std::max(0.0, unseen_motion_ - options_.step);
   if (!relearning && unseen_motion_ >= numbers_.unseen_motion) {  // the arm began an unseen motion
@@ -136,42 +135,38 @@ void ChangeFinder::update_noise(const Step& step, double strength) {
   if (learned || (more && !relearning)) calibrate();
 }
 
-// Sizes for which the columns hold, or that a joint can have.
+// Sizes for which the columns hold, or that a joint can have. No arm carries more than its own mass, and friction does
+// not fall below zero.
 void ChangeFinder::set_bounds() {
-  largest_ = VectorXd::Constant(known_.size(), 1e300);
-  double mass = 0.0;  // no arm carries more than its own mass
-  for (const Frame& f : arm_.frames())
+  double mass = 0.0;
+  for (const Frame& f : arm_.frames()) {
     if (f.body && f.body->phi) mass += std::abs((*f.body->phi)[0]);
+  }
   for (Eigen::Index h = 0; h < known_.size(); ++h) {
     const Hypothesis& one = hypotheses_[h];
+    const int joint = one.of.joint ? one.of.joint->value : 0;
     if (is_load(one.of)) {
       largest_[h] = one.companion ? 0.0 : mass;
-      continue;
+    } else if (one.along_axis()) {
+      largest_[h] = numbers_.largest_torques * noise_.scale()[joint] / one.speed(numbers_.slow);
+    } else {
+      const EffectParameter p = find_effect(effect_of(one.of.cause)).parameters().front();
+      largest_[h] = arm_.coordinates()[joint].prismatic ? p.largest_prismatic : p.largest_revolute;
     }
-    const int joint = one.of.joint ? one.of.joint->value : 0;
-    const Coordinate& c = arm_.coordinates()[joint];
-    const Effect& effect = find_effect(effect_of(one.of.cause));
-    const EffectParameter p = effect.parameters().front();
-    largest_[h] = c.prismatic ? p.largest_prismatic : p.largest_revolute;
-    if (!one.along_axis()) continue;
-    const bool viscous = effect.traits().affine && effect.traits().uses_velocity;
-    largest_[h] = numbers_.largest_torques * noise_.scale()[joint] / (viscous ? numbers_.slow : 1.0);
+    least_[h] = -largest_[h];
+    if (one.along_axis() && one.traits().uses_velocity) least_[h] = std::max(least_[h], -std::max(noise_.daily_offsets()[h] + known_[h] + own_value(one), 0.0));
   }
-  least_ = -largest_;
-  for (Eigen::Index h = 0; h < known_.size(); ++h) {  // friction does not fall below zero
-    const Hypothesis& one = hypotheses_[h];
-    if (!one.along_axis()) continue;
-    const Effect& effect = find_effect(effect_of(one.of.cause));
-    if (!effect.traits().uses_velocity) continue;
-    const VectorXd axis = VectorXd::Unit(arm_.joints(), one.of.joint->value);
-    double whole = noise_.daily_offsets()[h] + known_[h];
-    for (const EffectTerm& term : arm_.effects()) {
-      const auto value = term.values.find(effect.parameters().front().name);
-      if (term.effect == effect.name() && term.axis.coefficients == axis && value != term.values.end())
-        whole += value->second;
-    }
-    least_[h] = std::max(least_[h], -std::max(whole, 0.0));
+}
+
+// That of the model's own effect of the kind.
+double ChangeFinder::own_value(const Hypothesis& one) const {
+  const Effect& effect = find_effect(effect_of(one.of.cause));
+  double out = 0.0;
+  for (const EffectTerm& term : arm_.effects()) {
+    const auto value = term.values.find(effect.parameters().front().name);
+    if (term.effect == effect.name() && term.axis.coefficients == VectorXd::Unit(arm_.joints(), one.of.joint->value) && value != term.values.end()) out += value->second;
   }
+  return out;
 }
 
 // The cause that explains most of the quiet beginning's residual, if its torque matters. What the
@@ -184,8 +179,7 @@ void ChangeFinder::report_present_cause(double now) {
   c.lookback = options_.step;
   const std::vector<Score> all = scores(c, whole);
   c.score = all.front();
-  const double odds = quantiles_.dispersion() * numbers_.odds;
-  if (c.score.gain < odds * numbers_.present_odds) return;
+  if (c.score.gain < odds() * numbers_.present_odds) return;
   VectorXd power = VectorXd::Zero(arm_.joints());
   double before = 0.0, after = 0.0;
   for (const Step& step : quiet_) {
@@ -226,12 +220,9 @@ void ChangeFinder::detect(double now, WatchState& state) {
   }
   state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[hypothesis].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
-  if (open_ || above_ < numbers_.above_in_a_row || now < refractory_until_) return;
-  if (refining_ && retest_cause(now)) return;
-  if (refining_) {  // values from the refinement are kept
-    past_.push_back(*refining_);
-    refining_.reset();
-  }
+  if (is_suspected() || above_ < numbers_.above_in_a_row || now < refractory_until_) return;
+  if (change_ && withdraw_name(now)) return;
+  close(now, false);
   Change c;
   c.id = ++ids_;
   c.alarm = now;
@@ -239,7 +230,8 @@ void ChangeFinder::detect(double now, WatchState& state) {
   c.lookback = 2.0 * memories_[memory].seconds + 0.5;
   c.score = best_onset(recent_, hypothesis, least_[hypothesis], largest_[hypothesis],
                        now - c.lookback, now);
-  open_ = c;
+  c.steps = recent_;
+  change_ = c;
   emit(event(c, WatchStage::kSuspected, now));
 }
 
@@ -247,7 +239,7 @@ void ChangeFinder::detect(double now, WatchState& state) {
 std::vector<Score> ChangeFinder::scores(const Change& change,
                                         const std::deque<WhiteStep>& steps) const {
   std::vector<Score> out;
-  const double price = quantiles_.dispersion() * std::log(static_cast<double>(steps.size()));
+  const double price = quantiles_.dispersion() * std::log(static_cast<double>(steps.size()));  // of a column
   for (int h = 0; h < static_cast<int>(hypotheses_.size()); ++h) {
     const Hypothesis& one = hypotheses_[h];
     if (one.companion) continue;
@@ -264,44 +256,47 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
   return out;
 }
 
+// Price of one torque for half a second of a push.
+double ChangeFinder::price() const { return quantiles_.dispersion() * std::log(static_cast<double>(change_->steps.size())); }
+
 void ChangeFinder::isolate(double now, bool last) {
-  const double earliest = open_->alarm - open_->lookback;
-  const std::vector<Score> scores = this->scores(*open_, recent_);
+  const double earliest = change_->alarm - change_->lookback;
+  const std::vector<Score> scores = this->scores(*change_, change_->steps);
   const Score& best = scores.front();
-  const double odds = quantiles_.dispersion() * numbers_.odds;
-  const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
-  const Push lasting = best_push(recent_, offset_of_joint_, earliest, open_->alarm, 0.0, price, numbers_);
-  const Push ended = best_push(recent_, offset_of_joint_, earliest, open_->alarm, numbers_.push_ends, price, numbers_);
-  const bool still = ended.gain + odds > lasting.gain;  // no significant residual after its end
-  if (still && ended.gain > best.gain + odds) {
-    report_ended_push(ended, now);
+  const auto push = [&](double latest, double still, double price) {
+    return best_push(change_->steps, offset_of_joint_, earliest, latest, still, price, numbers_);
+  };
+  const Push lasting = push(change_->alarm, 0.0, price()), ended = push(change_->alarm, numbers_.push_ends - 0.5 * options_.step, price());
+  const bool still = ended.gain + odds() > lasting.gain;  // no significant residual after its end
+  if (still && ended.gain > best.gain + odds()) {
+    report_push(ended, now);
     return;
   }
-  const bool late = last || now - open_->alarm >= options_.longest_naming;
+  const bool late = last || now - change_->alarm >= options_.longest_naming;
   const bool explained = is_explained(best);
   if (late && !explained) {
-    report_ended_push(lasting.gain > 0.0 ? lasting : best_push(recent_, offset_of_joint_, earliest, now, 0.0, 0.0, numbers_), now);
+    report_push(lasting.gain > 0.0 ? lasting : push(now, 0.0, 0.0), now);
     return;
   }
-  const Cause& likeliest = hypotheses_[best.hypothesis].of.cause;
-  double next = still ? ended.gain : 0.0;  // of another effect
-  for (const Score& s : scores) {
-    if (effect_of(hypotheses_[s.hypothesis].of.cause) == effect_of(likeliest)) continue;
-    next = std::max(next, s.gain);
-    break;
-  }
-  const bool likely = explained && best.gain - next > odds;
-  const bool soon = now - best.onset < numbers_.soonest_name;
-  if (late || (likely && !soon)) name(scores, now);
+  const auto effect = [this](const Score& s) { return effect_of(hypotheses_[s.hypothesis].of.cause); };
+  const auto other = std::find_if(scores.begin(), scores.end(), [&](const Score& s) { return effect(s) != effect(best); });
+  const double next = std::max(still ? ended.gain : 0.0, other == scores.end() ? 0.0 : other->gain);
+  const bool likely = explained && best.gain - next > odds() && now - best.onset >= numbers_.soonest_name;
+  if (late || likely) name(scores, now);
 }
 
-// True if little is left of the innovations since the onset, and the size differs from zero. The step of the change mixes
-// both states.
+// The score without the step of the change, which mixes both states.
+Score ChangeFinder::settled(const Score& score) const {
+  return reestimated(change_->steps, score, numbers_.mixed * options_.step, numbers_);
+}
+
+// True if little is left of the innovations since the onset, and the size differs from zero.
 bool ChangeFinder::is_explained(const Score& score) const {
-  const Score fit = reestimated(recent_, score, numbers_.mixed * options_.step, numbers_);
+  const Score fit = settled(score);
   if (fit.size.size() == 0 || std::abs(fit.size[0]) <= half_width(fit)) return false;
   double before = 0.0, after = 0.0;
-  for (auto step = recent_.rbegin(); step != recent_.rend() && step->time >= score.onset + numbers_.mixed * options_.step; ++step) {
+  const std::deque<WhiteStep>& steps = change_->steps;  // the first ones may be of another day, with later times
+  for (auto step = steps.rbegin(); step != steps.rend() && step->time >= score.onset + numbers_.mixed * options_.step; ++step) {
     before += step->e.squaredNorm();
     after += (step->e - step->X(Eigen::all, fit.columns) * fit.size).squaredNorm() - quantiles_.dispersion() * static_cast<double>(step->e.size());
   }
@@ -312,7 +307,7 @@ double ChangeFinder::half_width(const Score& score) const {
   // Quantities learned while quiet are inexact as well, and columns are of first order.
   const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
   const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
-  const double random = student_t_quantile(kOutside, quantiles_.freedom()) *
+  const double random = quantile() *
                         std::sqrt(std::max(1.0, quantiles_.dispersion()) *
                                   (1.0 + since / std::max(learned, options_.step))) *
                         score.deviation();
@@ -325,6 +320,15 @@ void ChangeFinder::compensate(const Score& score, double share) {
     known_[score.columns[p]] += share * score.size[static_cast<Eigen::Index>(p)];
 }
 
+// @param half  half the width of the interval.
+void ChangeFinder::set_size(WatchEvent& e, double value, double half) {
+  e.value = value;
+  e.low = value - half;
+  e.high = value + half;
+}
+
+double ChangeFinder::quantile() const { return student_t_quantile(kOutside, quantiles_.freedom()); }
+
 WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) const {
   const Hypothesis& h = hypotheses_[c.score.hypothesis];
   WatchEvent e;
@@ -334,10 +338,7 @@ WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) co
   e.since = c.score.onset;
   e.until = now;
   e.cause = h.of.cause;
-  e.value = c.score.size.size() > 0 ? c.score.size[0] : 0.0;
-  const double half = half_width(c.score);
-  e.low = e.value - half;
-  e.high = e.value + half;
+  set_size(e, c.score.size.size() > 0 ? c.score.size[0] : 0.0, half_width(c.score));
   e.unit = h.unit;
   e.strength = c.strength;
   return e;
@@ -345,18 +346,16 @@ WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) co
 
 void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& best,
                               WatchEvent& e) const {
-  const double phi = quantiles_.dispersion();
   for (const Score& s : scores) {
-    if (s.hypothesis == best.hypothesis || best.gain - s.gain > phi * numbers_.odds) continue;
+    if (s.hypothesis == best.hypothesis || best.gain - s.gain > odds()) continue;
     const Cause& other = hypotheses_[s.hypothesis].of.cause;
-    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (best.gain - s.gain) / phi});
+    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (best.gain - s.gain) / quantiles_.dispersion()});
   }
 }
 
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
-  Change c = *open_;
-  open_.reset();
-  c.score = reestimated(recent_, scores.front(), numbers_.mixed * options_.step, numbers_);
+  Change& c = *change_;
+  c.score = settled(scores.front());
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);
@@ -371,71 +370,64 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
     e.until = c.score.onset;
     compensate(before->score, -1.0);
     past_.erase(std::next(before).base());
+    change_.reset();
   } else {
     compensate(c.score, 1.0);
-    c.seen = recent_;
-    refining_ = std::move(c);
   }
   emit(std::move(e));
   reset();
   refractory_until_ = now + numbers_.refractory_time;
 }
 
-void ChangeFinder::report_ended_push(const Push& push, double now) {
-  const Change c = *open_;
-  open_.reset();
+void ChangeFinder::report_push(const Push& push, double now) {
   const int j = push.last_joint ? push.last_joint->value : 0;
-  const Coordinate& joint = arm_.coordinates()[j];
-  WatchEvent e = event(c, now - push.to < numbers_.push_ends ? WatchStage::kUnnamed : WatchStage::kOver, now);
+  WatchEvent e = event(*change_, now - push.to < numbers_.push_ends - 0.5 * options_.step ? WatchStage::kUnnamed : WatchStage::kOver, now);
+  change_.reset();
   e.cause = ExternalContact{{j}};
   e.since = push.from;
   e.until = push.to;
-  e.value = push.torque.size() > j ? push.torque[j] : 0.0;
   const double steps = std::max(1.0, (push.to - push.from) / options_.step);
-  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * noise_.deviation()[j] *
-                      std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps);
-  e.low = e.value - half;
-  e.high = e.value + half;
-  e.unit = effort_unit(joint);
+  set_size(e, push.torque.size() > j ? push.torque[j] : 0.0,
+           quantile() * noise_.deviation()[j] * std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps));
+  e.unit = effort_unit(arm_.coordinates()[j]);
   emit(std::move(e));
   reset();
   refractory_until_ = now + numbers_.refractory_time;
 }
 
-void ChangeFinder::refine(const WhiteStep& white, double now) {
-  Change& c = *refining_;
-  const MatrixXd X = white.X(Eigen::all, c.score.columns);
-  c.seen.push_back(white);
-  c.seen.back().e += X * c.score.size;
-  if (retest_cause(now)) return;
-  c.score.A += X.transpose() * X;
+// Estimates the size of a named change again with every step, and tests its name.
+void ChangeFinder::refine(double now) {
+  if (withdraw_name(now)) return;
+  Change& c = *change_;
   compensate(c.score, -1.0);
-  c.score.size += normal_solution(c.score.A, X.transpose() * white.e);
+  c.score = settled(c.score);
   compensate(c.score, 1.0);
-  if (now - *c.named < options_.refine) return;
-  emit(event(c, WatchStage::kRefined, now));
-  past_.push_back(c);
-  refining_.reset();
+  if (now - *c.named >= options_.refine) close(now, true);
+}
+
+// A named change counts as known from now on.
+void ChangeFinder::close(double now, bool report) {
+  if (!change_) return;
+  if (report) emit(event(*change_, WatchStage::kRefined, now));
+  change_->steps.clear();
+  past_.push_back(*std::exchange(change_, std::nullopt));
 }
 
 // Withdraws the name if the steps since make another cause more likely, at the odds of a name, and
 // opens the change again.
-bool ChangeFinder::retest_cause(double now) {
-  Change& c = *refining_;
+bool ChangeFinder::withdraw_name(double now) {
+  Change& c = *change_;
   if (c.withdrawn) return false;
-  const std::vector<Score> all = scores(c, c.seen);
+  const std::vector<Score> all = scores(c, c.steps);
   const auto same = std::find_if(all.begin(), all.end(), [&](const Score& s) {
     return s.hypothesis == c.score.hypothesis;
   });
-  if (all.front().gain - same->gain <= quantiles_.dispersion() * numbers_.odds) return false;
+  if (all.front().gain - same->gain <= odds()) return false;
   emit(event(c, WatchStage::kWithdrawn, now));
   compensate(c.score, -1.0);
-  open_ = std::move(c);
-  refining_.reset();
-  recent_.swap(open_->seen);
-  open_->seen.clear();
-  open_->withdrawn = true;
-  open_->named.reset();
+  recent_ = c.steps;
+  c.withdrawn = true;
+  c.named.reset();
   return true;
 }
 
@@ -452,9 +444,7 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   c.score.size = VectorXd::Constant(1, jump.size);
   c.strength = std::abs(jump.size) / std::max(jump.noise, 1e-300);
   WatchEvent e = event(c, WatchStage::kNamed, std::max(now, jump.time));
-  const double half = student_t_quantile(kOutside, quantiles_.freedom()) * jump.noise;
-  e.low = jump.size - half;
-  e.high = jump.size + half;
+  set_size(e, jump.size, quantile() * jump.noise);
   emit(std::move(e));
   refractory_until_ = jump.time + numbers_.refractory_time;
 }
@@ -465,12 +455,12 @@ void ChangeFinder::discard_suspicion(const Blindness& blindness) {
   e.stage = WatchStage::kBlind;
   e.time = blindness.time;
   e.since = blindness.since;
-  if (open_ && open_->alarm >= blindness.since) {
-    e.id = open_->id;
-    open_.reset();
+  if (is_suspected() && change_->alarm >= blindness.since) {
+    e.id = change_->id;
+    change_.reset();
     reset();
   }
-  e.sentence = blind_sentence(e, blindness.why);
+  e.sentence = blindness.why;
   events_.push_back(std::move(e));
 }
 
@@ -483,17 +473,12 @@ void ChangeFinder::restart_clock(const Blindness& blindness, double now) {
 }
 
 void ChangeFinder::finish(double now) {
-  if (open_) isolate(now, true);
-  if (refining_) {
-    emit(event(*refining_, WatchStage::kRefined, now));
-    past_.push_back(*refining_);
-    refining_.reset();
-  }
+  if (is_suspected()) isolate(now, true);
+  close(now, true);
 }
 
 void ChangeFinder::emit(WatchEvent e) {
   e.text = to_text(arm_, e.cause);
-  e.sentence = sentence(e);
   events_.push_back(std::move(e));
 }
 

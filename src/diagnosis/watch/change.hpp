@@ -12,7 +12,7 @@
 
 namespace veridyn::watching {
 
-/// State of the change that is being isolated, or refined.
+/// A change that was detected, from its suspicion to its refined size.
 struct Change {
   int id = 0;
   Score score;            ///< least squares since the onset
@@ -21,8 +21,7 @@ struct Change {
   double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
   std::optional<double> named = {};  ///< [s]
   bool withdrawn = false;  ///< its first name was; no second one, so that two causes do not alternate
-  /// Steps since before the alarm, from whose innovations this change is not subtracted.
-  std::deque<WhiteStep> seen = {};
+  std::deque<WhiteStep> steps = {};  ///< since before the alarm; it is not subtracted from them
 };
 
 /// From steps to events: estimates the noise, raises alarms, isolates causes, subtracts known changes.
@@ -51,12 +50,20 @@ class ChangeFinder {
   void isolate(double now, bool last);
   std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;
   void name(const std::vector<Score>& scores, double now);
-  void report_ended_push(const Push& push, double now);
-  void refine(const WhiteStep& white, double now);
-  bool retest_cause(double now);
+  void report_push(const Push& push, double now);
+  void refine(double now);
+  bool withdraw_name(double now);
+  void close(double now, bool report);
   void reset();
+  double price() const;
+  double odds() const { return quantiles_.dispersion() * numbers_.odds; }
+  bool is_suspected() const { return change_ && !change_->named; }
+  Score settled(const Score& score) const;
   bool is_explained(const Score& score) const;
   double half_width(const Score& score) const;
+  double own_value(const Hypothesis& one) const;
+  double quantile() const;
+  static void set_size(WatchEvent& e, double value, double half);
   void compensate(const Score& score, double share);
   WatchEvent event(const Change& change, WatchStage stage, double now) const;
   void emit(WatchEvent e);
@@ -80,7 +87,7 @@ class ChangeFinder {
   int above_ = 0, ids_ = 0;
   double last_learned_ = -1e300;  // [s]
   double refractory_until_ = -1e300;  // [s]
-  std::optional<Change> open_, refining_;
+  std::optional<Change> change_;  // that is suspected, or was named and is being refined
   std::vector<Change> past_;
   std::vector<WatchEvent> events_;
 };

@@ -44,26 +44,19 @@ std::string what(const WatchEvent& e) {
 }  // namespace
 
 std::string sentence(const WatchEvent& e) {
+  const auto since = [&] { return fmt::format("since {:.2f} s {}.", e.since, what(e)); };
   switch (e.stage) {
     case WatchStage::kSuspected:
-      return fmt::format("{:.2f} s: something changed, at about {:.2f} s; most like {}.", e.time,
-                         e.since, e.text);
+      return fmt::format("{:.2f} s: something changed, at about {:.2f} s; most like {}.", e.time, e.since, e.text);
     case WatchStage::kNamed:
-    case WatchStage::kUnnamed:
-      return fmt::format("{:.2f} s: since {:.2f} s {}.{}", e.time, e.since, what(e),
-                         rivals_words(e));
-    case WatchStage::kRefined:
-      return fmt::format("{:.2f} s: since {:.2f} s {}.", e.time, e.since, what(e));
+    case WatchStage::kUnnamed: return fmt::format("{:.2f} s: {}{}", e.time, since(), rivals_words(e));
+    case WatchStage::kRefined: return fmt::format("{:.2f} s: {}", e.time, since());
+    case WatchStage::kWithdrawn: return fmt::format("{:.2f} s: withdrawn: {}", e.time, since());
     case WatchStage::kOver:
-      return fmt::format("{:.2f} s: over again; from {:.2f} to {:.2f} s {}.", e.time, e.since,
-                         e.until, what(e));
+      return fmt::format("{:.2f} s: over again; from {:.2f} to {:.2f} s {}.", e.time, e.since, e.until, what(e));
     case WatchStage::kPresent:
-      return fmt::format("{:.2f} s: from the beginning on, {}.{}", e.time, what(e),
-                         rivals_words(e));
-    case WatchStage::kWithdrawn:
-      return fmt::format("{:.2f} s: withdrawn: since {:.2f} s {}.", e.time, e.since, what(e));
-    case WatchStage::kBlind:
-      break;
+      return fmt::format("{:.2f} s: from the beginning on, {}.{}", e.time, what(e), rivals_words(e));
+    case WatchStage::kBlind: break;
   }
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/effect_facts.hpp"
@@ -16,21 +17,20 @@ std::string unit_of(const Model& arm, const Candidate& c) {
   return slides ? p.unit_prismatic : p.unit_revolute;
 }
 
-bool is_last(const Model& arm, int frame) {
-  return std::none_of(arm.frames().begin(), arm.frames().end(),
-                      [frame](const Frame& f) { return f.parent == FrameIndex{frame}; });
-}
-
 std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::string>& links) {
   std::vector<FrameIndex> out;
   for (const std::string& link : links) {
     const FrameIndex frame = find_frame(arm, link, "watch: robot '" + arm.name() + "'");
     if (std::find(out.begin(), out.end(), frame) == out.end()) out.push_back(frame);
   }
-  for (int k = 0; links.empty() && k < static_cast<int>(arm.frames().size()); ++k) {
-    bool moves = false;
-    for (int i = 0; i < arm.joints(); ++i) moves = moves || arm.moves(k, i);
-    if (moves && (is_last(arm, k) || arm.frames()[k].body)) out.push_back({k});
+  if (!links.empty()) return out;
+  std::vector<bool> last(arm.frames().size(), true), moves(arm.frames().size(), false);
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    if (const auto parent = arm.frames()[k].parent) last[parent->value] = false;
+    for (int i = 0; i < arm.joints(); ++i) moves[k] = moves[k] || arm.moves(k, i);
+  }
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    if (moves[k] && (last[k] || arm.frames()[k].body)) out.push_back({k});
   }
   return out;
 }
@@ -53,12 +53,11 @@ VectorXd values_of(const Model& arm) {
   return *phi;
 }
 
-MotionView view(const StepMotion& m) { return {m.time, m.q, m.dq, m.ddq}; }
-
 }  // namespace
 
-Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links, const WatchNumbers& numbers)
+Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links, double seconds, const WatchNumbers& numbers)
     : numbers_(numbers),
+      seconds_(seconds),
       arm_(arm),
       loaded_(with_bodies(arm, load_frames(arm, links))),
       bodies_(arm),
@@ -100,84 +99,103 @@ Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links, 
   }
 }
 
-void Hypotheses::reset() {
+void Hypotheses::restart() {
+  rows_ = 0;
+  follows_ = false;
   for (ColumnsInPieces& effect : effects_) effect.reset();
   for (ColumnsInPieces& effect : axis_) effect.reset();
 }
 
-void Hypotheses::add_effects(const StepMotion& motion, const MatrixXd& rigid, Answer& out) {
-  const Eigen::Index rows = motion.q.rows();
+std::optional<Step> Hypotheses::add(const SmoothedRow& row, double dt, double spacing) {
+  const Eigen::Index count = std::max(1L, std::lround(seconds_ / dt));
+  if (q_.rows() != count) {
+    time_.resize(count);
+    for (MatrixXd* m : {&q_, &dq_, &ddq_, &tau_}) m->resize(count, arm_.joints());
+  }
+  time_[rows_] = row.time;
+  q_.row(rows_) = row.q.transpose();
+  dq_.row(rows_) = row.dq.transpose();
+  ddq_.row(rows_) = row.ddq.transpose();
+  tau_.row(rows_) = row.tau.transpose();
+  if (++rows_ < count) return {};
+  rows_ = 0;
+  return step(dt, spacing);
+}
+
+Step Hypotheses::step(double dt, double spacing) {
+  const Eigen::Index n = arm_.joints();
+  MatrixXd torque, weight;
+  bodies_.torques(q_, dq_, ddq_, phi_, torque);
+  const MatrixXd still = MatrixXd::Zero(q_.rows(), n);
+  bodies_.torques(q_, still, still, phi_, weight);
+  Step out;
+  out.time = time_.mean();
+  out.torque = tau_.colwise().mean().transpose();
+  out.position = q_.bottomRows(1).transpose();
+  out.parts = MatrixXd::Zero(n, 3);
+  out.parts.col(0) = weight.cwiseAbs().colwise().mean().transpose();
+  out.parts.col(1) = (torque - weight).cwiseAbs().colwise().mean().transpose();
+  add_effects(MatrixXd(torque), spacing, torque, out);
+  out.residual = (tau_ - torque).colwise().mean().transpose();
+  add_columns(torque, dt, out);
+  out.follows = std::exchange(follows_, true);
+  return out;
+}
+
+void Hypotheses::add_effects(const MatrixXd& rigid, double spacing, MatrixXd& torque, Step& out) {
+  const auto rows = static_cast<double>(q_.rows());
+  VectorXd undetermined = VectorXd::Zero(arm_.joints());
   std::vector<Dry>::iterator dry = dry_.begin();
   for (size_t e = 0; e < effects_.size(); ++e) {
     const EffectFacts& effect = effects_[e].facts();
     const VectorXd& c = effect.term().axis.coefficients;
-    const std::vector<AxisSample> samples = effects_[e].samples(view(motion), rigid);
+    const std::vector<AxisSample> samples = effects_[e].samples(motion(), rigid);
     const VectorXd forces =
         effects_[e].next(samples) * Eigen::Map<const VectorXd>(effect.values().data(), effect.parameter_count());
-    Dry* of_effect = dry != dry_.end() && dry->effect == e ? &*dry++ : nullptr;
-    for (Eigen::Index k = 0; k < rows; ++k) {
-      const double force = forces[k];
-      const double speed = std::abs(samples[k].ds);
-      out.torque.row(k) += force * c.transpose();
-      out.parts[2].row(k) += std::abs(force) * c.transpose().cwiseAbs();
-      if (of_effect == nullptr) continue;
-      of_effect->level = std::max(of_effect->level, std::abs(force));
-      of_effect->fastest = std::max(of_effect->fastest, speed);
-      if (speed < numbers_.rest_share * of_effect->fastest)
-        out.rest_friction.row(k) += (of_effect->level * c.transpose()).cwiseAbs();
+    torque += forces * c.transpose();
+    out.parts.col(2) += forces.cwiseAbs().mean() * c.cwiseAbs();
+    if (dry == dry_.end() || dry->effect != e) continue;
+    for (Eigen::Index k = 0; k < forces.size(); ++k) {
+      const AxisSample& s = samples[static_cast<size_t>(k)];
+      dry->level = std::max(dry->level, std::abs(forces[k]));
+      dry->fastest = std::max(dry->fastest, std::abs(s.ds));
+      if (std::abs(s.ds) < std::max(numbers_.rest_share * dry->fastest, spacing * std::abs(s.dds)))
+        undetermined += dry->level / rows * c.cwiseAbs();
     }
+    ++dry;
   }
+  out.rest_friction2 = undetermined.cwiseAbs2();
 }
 
-void Hypotheses::channel_columns(const StepMotion& motion, Answer& out) const {
-  const double dt = motion.time.size() > 1 ? motion.time[1] - motion.time[0] : 1.0;
-  const ChannelMotion along{arm_, bodies_, phi_, motion.q, motion.dq, motion.ddq, out.torque, dt};
-  for (size_t h = 0; h < channel_.size(); ++h) {
-    const std::optional<JointIndex> joint = all_[axis_.size() + h].of.joint;
-    MatrixXd column = channel_[h]->columns(along, joint).front();
+// Torques per unit of every hypothesis, in their order: along axes, of channels, masses, and first moments of these.
+void Hypotheses::add_columns(const MatrixXd& torque, double dt, Step& out) {
+  out.columns = MatrixXd::Zero(arm_.joints(), static_cast<Eigen::Index>(all_.size()));
+  Eigen::Index h = 0;
+  for (ColumnsInPieces& effect : axis_)
+    out.columns(main_coordinate(effect.facts().term().axis), h++) = effect.next(effect.samples(motion(), MatrixXd())).col(0).mean();
+  const ChannelMotion along{arm_, bodies_, phi_, q_, dq_, ddq_, torque, dt};
+  for (const ChannelEffect* channel : channel_) {
+    const std::optional<JointIndex> joint = all_[static_cast<size_t>(h)].of.joint;
+    out.columns.col(h) = channel->columns(along, joint).front().colwise().mean().transpose();
     for (int i = 0; i < arm_.joints(); ++i) {
-      if (!channel_[h]->acts_on(i, joint)) column.col(i).setZero();
+      if (!channel->acts_on(i, joint)) out.columns(i, h) = 0.0;
     }
-    out.columns.push_back(std::move(column));
+    ++h;
   }
-}
-
-void Hypotheses::evaluate(const StepMotion& motion, Answer& out) {
-  const Eigen::Index rows = motion.q.rows();
-  const int n = arm_.joints();
-  bodies_.torques(motion.q, motion.dq, motion.ddq, phi_, out.torque);
-  out.rest_friction = MatrixXd::Zero(rows, n);
-  out.columns.clear();
-  const MatrixXd rigid = out.torque;
-  const MatrixXd still = MatrixXd::Zero(rows, n);
-  MatrixXd weight;
-  bodies_.torques(motion.q, still, still, phi_, weight);
-  out.parts = {weight.cwiseAbs(), (rigid - weight).cwiseAbs(), still};
-  add_effects(motion, rigid, out);
-  for (ColumnsInPieces& effect : axis_) {
-    MatrixXd column = MatrixXd::Zero(rows, n);
-    column.col(main_coordinate(effect.facts().term().axis)) =
-        effect.next(effect.samples(view(motion), MatrixXd())).col(0);
-    out.columns.push_back(std::move(column));
-  }
-  channel_columns(motion, out);
-  loads_.evaluate(motion.q, motion.dq, motion.ddq, Y_);
-  for (const int body : body_of_load_) out.columns.push_back(load_column(body, 0, rows));
-  for (const int body : body_of_load_)
-    for (int moment = 1; moment <= 3; ++moment)
-      out.columns.push_back(load_column(body, moment, rows));
-}
-
-// Torque per unit of one inertial parameter of a body of loaded_.
-MatrixXd Hypotheses::load_column(int body, int parameter, Eigen::Index rows) const {
-  MatrixXd column = MatrixXd::Zero(rows, arm_.joints());
+  loads_.evaluate(q_, dq_, ddq_, Y_);
+  const auto loads = static_cast<Eigen::Index>(body_of_load_.size());
   for (int i = 0; i < arm_.joints(); ++i) {
+    const Eigen::RowVectorXd mean = Y_[i].colwise().mean();
     const std::vector<int>& of_joint = loads_.columns(i);
-    const auto at =
-        std::find(of_joint.begin(), of_joint.end(), kBodyParameters * body + parameter);
-    if (at != of_joint.end()) column.col(i) = Y_[i].col(at - of_joint.begin());
+    for (Eigen::Index l = 0; l < loads; ++l) {
+      const int first = kBodyParameters * body_of_load_[l];
+      const auto at = std::lower_bound(of_joint.begin(), of_joint.end(), first);
+      if (at == of_joint.end() || *at != first) continue;  // it does not move this body
+      const auto mass = at - of_joint.begin();
+      out.columns(i, h + l) = mean[mass];
+      out.columns.block(i, h + loads + 3 * l, 1, 3) = mean.segment(mass + 1, 3);
+    }
   }
-  return column;
 }
 
 }  // namespace veridyn::watching

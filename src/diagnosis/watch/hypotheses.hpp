@@ -1,12 +1,16 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/candidates.hpp"
 #include "veridyn/dynamics/torque_regressor.hpp"
 #include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "regressor/effect_along.hpp"
+#include "diagnosis/watch/smoothed_rows.hpp"
+#include "diagnosis/watch/step.hpp"
 #include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
@@ -20,46 +24,45 @@ struct Hypothesis {
   bool companion = false;  ///< a column that only accompanies other hypotheses
 
   bool along_axis() const { return std::holds_alternative<NewEffect>(of.cause); }
+  EffectTraits traits() const { return find_effect(effect_of(of.cause)).traits(); }
+  /// [rad/s], [m/s] at which one unit is a torque of one: `slow` for viscous friction, else 1.
+  double speed(double slow) const {
+    const EffectTraits t = traits();
+    return t.uses_velocity && t.dry == DryFriction::kNone ? slow : 1.0;
+  }
 };
 
-/// Motion of a step: (rows x n).
-struct StepMotion {
-  VectorXd time;
-  MatrixXd q, dq, ddq;
-};
-
-/// Torques of an identified model along a continuing motion, and the contribution of every hypothesis. Effects
-/// with memory keep it from step to step.
+/// From rows to steps: what an identified model leaves of the torques, and the contribution of every hypothesis to
+/// them. Effects with memory keep it from step to step.
 class Hypotheses {
  public:
+  /// @param links    frames that a load may be added to; empty: of those that move, bodies and last frames.
+  /// @param seconds  length of a step.
   /// @throws InvalidInput  the model lacks values; a link is no frame.
-  Hypotheses(const Model& arm, const std::vector<std::string>& links, const WatchNumbers& numbers);
+  Hypotheses(const Model& arm, const std::vector<std::string>& links, double seconds, const WatchNumbers& numbers);
 
   const std::vector<Hypothesis>& all() const { return all_; }
-  int size() const { return static_cast<int>(all_.size()); }
 
-  struct Answer {
-    MatrixXd torque;                ///< (rows x n) of the model
-    std::vector<MatrixXd> parts;    ///< (rows x n): gravity, motion of the bodies, effects; absolute
-    std::vector<MatrixXd> columns;  ///< (rows x n), one for each hypothesis
-    /// (rows x n) dry friction of axes at rest, which is undetermined within this bound.
-    MatrixXd rest_friction;
-  };
-  void evaluate(const StepMotion& motion, Answer& out);
+  /// @param dt       [s] from row to row.
+  /// @param spacing  [s] between new values of the slowest signal.
+  /// @returns the step that the row completes.
+  std::optional<Step> add(const SmoothedRow& row, double dt, double spacing);
 
-  /// Restarts the memories after a pause.
-  void reset();
+  /// After a pause: memories are empty, and the next step does not follow.
+  void restart();
 
  private:
   struct Dry {
     size_t effect;
     double level = 0.0, fastest = 0.0;
   };
-  void add_effects(const StepMotion& motion, const MatrixXd& rigid, Answer& out);
-  MatrixXd load_column(int body, int parameter, Eigen::Index rows) const;
-  void channel_columns(const StepMotion& motion, Answer& out) const;
+  MotionView motion() const { return {time_, q_, dq_, ddq_}; }
+  Step step(double dt, double spacing);
+  void add_effects(const MatrixXd& rigid, double spacing, MatrixXd& torque, Step& out);
+  void add_columns(const MatrixXd& torque, double dt, Step& out);
 
   const WatchNumbers& numbers_;
+  double seconds_;
   Model arm_, loaded_;
   TorqueRegressor bodies_, loads_;
   VectorXd phi_;
@@ -70,6 +73,11 @@ class Hypotheses {
   std::vector<const ChannelEffect*> channel_; // of those of channels, in their order
   std::vector<int> body_of_load_;             // among the bodies of loaded_
   std::vector<MatrixXd> Y_;
+  // Rows of the present step.
+  Eigen::Index rows_ = 0;
+  bool follows_ = false;
+  VectorXd time_;
+  MatrixXd q_, dq_, ddq_, tau_;
 };
 
 }  // namespace veridyn::watching

@@ -21,8 +21,7 @@ NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypothes
     if (!one.along_axis()) continue;
     daily_.push_back(static_cast<int>(h));
     joint_of_.push_back(one.of.joint->value);
-    const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
-    speed_of_.push_back(t.uses_velocity && t.dry == DryFriction::kNone ? numbers_.slow : 1.0);
+    speed_of_.push_back(one.speed(numbers_.slow));
   }
 }
 

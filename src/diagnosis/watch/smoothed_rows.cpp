@@ -13,6 +13,8 @@
 namespace veridyn::watching {
 namespace {
 
+constexpr const char* kContradiction = "positions and velocities contradict each other";
+
 // Row d of the result gives the d-th derivative (in samples) at the middle of 2 half + 1 samples.
 MatrixXd local_polynomial(int half, int degree) {
   const int count = 2 * half + 1;
@@ -36,18 +38,10 @@ MatrixXd local_polynomial(int half, int degree) {
 }  // namespace
 
 SmoothedRows::SmoothedRows(const Model& arm, const WatchNumbers& numbers)
-    : numbers_(numbers),
-      arm_(arm),
-      sensors_(arm),
-      offset_(VectorXd::Zero(arm.joints())),
-      spread2_(VectorXd::Zero(arm.joints())),
-      torque2_(VectorXd::Zero(arm.joints())),
-      largest_(VectorXd::Zero(arm.joints())),
-      last_jump_(VectorXd::Constant(arm.joints(), -kInfinity)),
-      speed_(VectorXd::Zero(arm.joints())),
-      mean_speed_(VectorXd::Zero(arm.joints())),
-      fastest_(VectorXd::Zero(arm.joints())),
-      wait_(static_cast<size_t>(arm.joints()), 0) {}
+    : numbers_(numbers), arm_(arm), n_(arm.joints()), sensors_(arm), held_(arm_, numbers), last_jump_(VectorXd::Constant(arm.joints(), -kInfinity)),
+      wait_(static_cast<size_t>(arm.joints()), 0) {
+  for (VectorXd* v : {&offset_, &spread2_, &largest_, &moved2_, &excess_, &torque2_, &path_, &speed_, &mean_speed_, &fastest_}) *v = VectorXd::Zero(n_);
+}
 
 void SmoothedRows::check(const Recording& rows) const {
   const int n = arm_.joints();
@@ -62,47 +56,16 @@ void SmoothedRows::check(const Recording& rows) const {
 
 // Reason why a row is unusable, or empty.
 std::string SmoothedRows::fault(const Row& row) const {
-  const auto joint = [this](const char* signal, Eigen::Index j) {
-    return text(signal, j + 1, " (", arm_.coordinates()[j].name, ")");
-  };
-  for (Eigen::Index j = 0; j < row.q.size(); ++j) {
-    for (const auto& [name, value] : {std::pair{"q", row.q[j]}, {"dq", row.dq[j]}, {"tau", row.tau[j]}}) {
-      if (!std::isfinite(value)) return joint(name, j) + " is no number";
-      if (std::abs(value) >= kAbsurd) return joint(name, j) + " is " + text(value);
-    }
+  for (Eigen::Index i = 0; i < row.x.size(); ++i) {
+    const double value = row.x[i];
+    if (std::isfinite(value) && std::abs(value) < kAbsurd) continue;
+    const char* signal[] = {"q", "dq", "tau"};
+    const std::string found = std::isfinite(value) ? " is " + text(value) : " is no number";
+    return text(signal[i / n_], i % n_ + 1, " (", arm_.coordinates()[i % n_].name, ")", found);
   }
-  if (!arm_.gravity().isZero(0.0) && (row.tau.cwiseAbs2().array() <= numbers_.no_torque * numbers_.no_torque * torque2_.array()).all())
+  if (!arm_.gravity().isZero(0.0) && (row.x.tail(n_).array().square() <= numbers_.no_torque * numbers_.no_torque * torque2_.array()).all())
     return "the torques of all joints are zero: no drive is on, or none is recorded";
   return "";
-}
-
-// A signal that stays the same to the last digit while its joint moves, longer than ever before: its sensor or drive
-// does not answer, or it is saturated.
-// @param path  (n) a measure of the joints' motion, which the signal does not enter.
-std::string SmoothedRows::stuck_reason(Standing& s, const char* signal, const VectorXd& value, const VectorXd& path, double time) {
-  const Eigen::Index n = value.size();
-  if (s.value.size() == 0) s = {value, VectorXd::Constant(n, time), path, VectorXd::Zero(n), std::vector<char>(static_cast<size_t>(n), 1), std::vector<char>(static_cast<size_t>(n), 0)};
-  std::string why;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    char& never = s.never_changed[static_cast<size_t>(j)];
-    char& stopped = s.stopped[static_cast<size_t>(j)];
-    if (value[j] != s.value[j]) {
-      if (never == 0 && !is_blind_) s.longest[j] = std::max(s.longest[j], usable_ - s.since[j]);
-      never = stopped = 0;
-      s.value[j] = value[j];
-      s.from[j] = path[j];
-      s.since[j] = time;
-      continue;
-    }
-    const double least = numbers_.rest_share * fastest_[j] * (time - s.since[j]);
-    const bool moves = std::abs(path[j] - s.from[j]) > least;
-    const bool longer = time - s.since[j] > std::max(numbers_.pause, 2.0 * s.longest[j]);
-    if (stopped == 0 && (never != 0 || !moves || !longer)) continue;
-    stopped = 1;
-    usable_ = std::min(usable_, s.since[j]);
-    why = text(signal, j + 1, " (", arm_.coordinates()[j].name, ") stays at ", s.value[j], " while the joint moves");
-  }
-  return why;
 }
 
 // True if the arm moved when the last row came: one that repeats it is no rest.
@@ -123,7 +86,7 @@ void SmoothedRows::mark_unusable(double time, const std::string& why) {
 // False for a row whose time does not rise, until the clock is known to have been set back, as by the start
 // of another controller.
 bool SmoothedRows::is_clock_continuous(double time) {
-  if (!has_last_ || time > last_.t) {
+  if (!last_ || time > last_->t) {
     // Set back by less, it has caught up: rows on both sides are not contiguous.
     if (back_ > 0 && back_last_ - back_first_ >= numbers_.jump_reach) restart();
     back_ = 0;
@@ -141,11 +104,11 @@ bool SmoothedRows::is_clock_continuous(double time) {
 }
 
 void SmoothedRows::restart_clock(double time, double before) {
-  const double by = last_.t + dt_ - back_first_;
+  const double by = last_->t + dt_ - back_first_;
   blind_ += before - usable_;
   is_blind_ = false;
-  if (on_blind) on_blind({usable_, before, text("the clock was set back to ", back_first_, " s, and the watch begins anew"), by});
-  for (Standing* s : {&torque_, &position_}) s->since.array() -= by;
+  if (on_blind) on_blind({usable_, before, text("the clock was set back to ", clock_.recorded_time(back_first_), " s, and the watch begins anew"), by});
+  held_.set_back(by);
   path_time_ -= by;
   back_ = 0;
   usable_ = heard_ = time;
@@ -162,18 +125,16 @@ void SmoothedRows::mark_usable(double time) {
 }
 
 void SmoothedRows::copy_row(const Recording& rows, int k, Row& row) const {
-  const int n = arm_.joints();
-  row.t = rows.time[k];
-  row.q = rows.q.row(k).transpose();
-  row.dq = has_velocity_ ? VectorXd(rows.dq.row(k).transpose()) : VectorXd::Zero(n);
+  row.t = clock_.true_time(rows.time[k]);
+  VectorXd q = rows.q.row(k).transpose();
   const bool torques = rows.tau.size() > 0;
-  row.tau = torques ? rows.tau.row(k).transpose() : rows.current.row(k).transpose();
-  sensors_.correct_positions(row.q);
-  if (torques) {
-    sensors_.correct_torques(row.tau);
-  } else {
-    sensors_.correct_currents(row.tau);
-  }
+  VectorXd tau = (torques ? rows.tau : rows.current).row(k).transpose();
+  sensors_.correct_positions(q);
+  torques ? sensors_.correct_torques(tau) : sensors_.correct_currents(tau);
+  row.x = VectorXd::Zero(3 * n_);
+  row.x.head(n_) = q;
+  if (has_velocity_) row.x.segment(n_, n_) = rows.dq.row(k).transpose();
+  row.x.tail(n_) = tau;
 }
 
 void SmoothedRows::add(const Recording& rows) {
@@ -183,129 +144,190 @@ void SmoothedRows::add(const Recording& rows) {
   Row row;
   for (int k = 0; k < rows.rows(); ++k) {
     copy_row(rows, k, row);
-    if (!std::isfinite(row.t) || !is_clock_continuous(row.t)) continue;
-    if (const std::string why = fault(row); !why.empty()) {
-      mark_unusable(row.t, why);
-      continue;
-    }
+    if (!std::isfinite(row.t)) continue;
     if (dt_ > 0.0) {
-      place(row);
+      take(row);
       continue;
     }
     start_.push_back(row);
-    if (start_.size() < static_cast<size_t>(numbers_.rows_for_step)) continue;
-    std::vector<double> times;
-    for (const Row& one : start_) times.push_back(one.t);
-    dt_ = median_step(times);
+    const bool enough = k + 1 == rows.rows() || row.t - start_.front().t > kStart * numbers_.pause;
+    if (!enough || start_.size() < static_cast<size_t>(numbers_.rows_for_step)) continue;
+    begin();
     require(dt_ > 0.0, rows.source, ": found times that do not rise, expected a clock.");
-    half_ = std::max(3, static_cast<int>(std::lround(
-                            (has_velocity_ ? numbers_.half_window : numbers_.half_window_of_position) / dt_)));
-    reach_ = std::clamp(static_cast<int>(std::lround(numbers_.jump_reach / dt_)), 2, half_ - 1);
-    const MatrixXd kernel = local_polynomial(half_, has_velocity_ ? 2 : 3);
-    value_ = kernel.row(0);
-    slope_ = kernel.row(1) / dt_;
-    curve_ = kernel.row(2) / (dt_ * dt_);
-    for (const Row& one : start_) {
-      if (is_clock_continuous(one.t)) place(one);
-    }
-    start_.clear();
+    for (const Row& one : std::exchange(start_, {})) take(one);
   }
 }
 
-// Processes one recorded row: the grid points between it and the previous row.
+void SmoothedRows::take(const Row& row) {
+  if (!is_clock_continuous(row.t)) return;
+  const std::string why = fault(row);
+  why.empty() ? place(row) : mark_unusable(row.t, why);
+}
+
+// The time step is that of the rows; the window of the smoothing holds some new values of each position and velocity.
+void SmoothedRows::begin() {
+  std::vector<double> times;
+  for (const Row& one : start_) {
+    if (static_cast<int>(times.size()) < numbers_.rows_for_step) times.push_back(one.t);
+  }
+  dt_ = median_step(times);
+  if (!(dt_ > 0.0)) return;
+  const double refreshed = HeldSignals::refresh_time(start_, 2 * n_, numbers_.held);
+  spacing_ = HeldSignals::refresh_time(start_, 3 * n_, numbers_.held);
+  const double wide = std::max(has_velocity_ ? numbers_.half_window : numbers_.half_window_of_position, kHalfWindow * refreshed);
+  // Between slow refreshes noise matters less than the shape of the motion; and without velocities they look like jumps.
+  const bool slow = kHalfWindow * refreshed >= wide;
+  sees_jumps_ = has_velocity_ || !slow;
+  half_ = std::max(Eigen::Index{3}, static_cast<Eigen::Index>(std::lround(wide / dt_)));
+  reach_ = std::clamp(static_cast<Eigen::Index>(std::lround(numbers_.jump_reach / dt_)), Eigen::Index{2}, half_ - 1);
+  kernel_ = local_polynomial(static_cast<int>(half_), (has_velocity_ ? 2 : 3) + (slow ? 1 : 0)).topRows(3).transpose();
+  kernel_.col(1) /= dt_;
+  kernel_.col(2) /= dt_ * dt_;
+  window_ = MatrixXd::Zero(3 * n_, 2 * half_ + 1);
+}
+
+// A signal that stopped, or positions and velocities that contradict each other; or empty.
+std::string SmoothedRows::unusable_reason(const Row& row) {
+  VectorXd path = VectorXd::Zero(3 * n_);
+  path.head(n_) = path_;
+  path.tail(n_) = row.x.head(n_);
+  const auto stopped = held_.compare(row, path, fastest_, is_blind_ ? std::nullopt : std::optional(usable_));
+  if (!stopped) return contradiction_;
+  usable_ = std::min(usable_, stopped->since);
+  return stopped->why;
+}
+
 void SmoothedRows::place(const Row& row) {
-  // The window of the smoothing holds so few rows that the lines between them have other derivatives.
+  // The smoothing's window holds so few rows that the lines between them have other derivatives.
   const double apart = row.t - std::exchange(placed_, row.t);
   std::string sparse;
-  if (2.0 * apart > half_ * dt_ && apart <= numbers_.pause)
+  if (2.0 * apart > static_cast<double>(half_) * dt_ && apart <= numbers_.pause)
     sparse = text("rows come every ", std::round(1e4 * apart) / 10.0, " ms, and every ", std::round(1e4 * dt_) / 10.0, " ms before");
-  if (has_last_) {
-    const bool same = row.q == last_.q && row.tau == last_.tau;
-    if (same && moved()) {
+  if (last_) {
+    if (row.x == last_->x && moved()) {
       mark_unusable(row.t, "the same row comes again and again, of an arm that moves");
       return;
     }
-    if (row.t - last_.t > numbers_.pause) {
+    const double step = row.t - last_->t;
+    if (step > numbers_.pause) {
       mark_unusable(row.t, sparse.empty() ? "no usable row came" : sparse);
       restart();
-    } else if (same && repeats_ < numbers_.repeats) {
-      ++repeats_;  // repeated row: interpolated once a new row arrives
-      return;
     }
-    speed_ = (row.q - last_.q) / (row.t - last_.t);
-    mean_speed_ += std::min(1.0, (row.t - last_.t) / numbers_.half_window) * (speed_ - mean_speed_);
+    speed_ = (row.x.head(n_) - last_->x.head(n_)) / step;
+    mean_speed_ += std::min(1.0, step / numbers_.half_window) * (speed_ - mean_speed_);
     fastest_ = fastest_.cwiseMax(mean_speed_.cwiseAbs());
   }
-  repeats_ = 0;
-  if (path_.size() == 0) path_ = VectorXd::Zero(row.q.size());
-  if (row.t - path_time_ < numbers_.pause) path_ += (row.t - path_time_) * row.dq;
+  if (row.t - path_time_ < numbers_.pause) path_ += (row.t - path_time_) * row.x.segment(n_, n_);
   path_time_ = row.t;
-  std::string why = stuck_reason(torque_, "tau", row.tau, row.q, row.t);
-  if (why.empty() && has_velocity_) why = stuck_reason(position_, "q", row.q, path_, row.t);
-  if (why.empty()) why = sparse;
-  if (why.empty() && contradicts_) why = "positions and velocities contradict each other";
+  std::string why = unusable_reason(row);
+  if (why.empty() || why == contradiction_) why = sparse.empty() ? contradiction_ : sparse;
   if (why.empty()) {
     mark_usable(row.t);
-    torque2_ += (row.tau.cwiseAbs2() - torque2_) / static_cast<double>(++count_);
+    torque2_ += (row.x.tail(n_).cwiseAbs2() - torque2_) / static_cast<double>(++count_);
   } else {
     mark_unusable(row.t, why);
-    if (!contradicts_ && (sparse.empty() || is_blind_)) return;
-  }
-  if (!has_last_) {
-    first_t_ = row.t;
-    next_ = 0;
-    last_ = row;
-    has_last_ = true;
-  }
-  for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + kSameTime * dt_; ++next_) {
-    Row between = row;
-    if (t < row.t) {
-      const double share = (t - last_.t) / (row.t - last_.t);
-      between.q = last_.q + share * (row.q - last_.q);
-      between.dq = last_.dq + share * (row.dq - last_.dq);
-      between.tau = last_.tau + share * (row.tau - last_.tau);
-    }
-    between.t = t;
-    put(std::move(between));
+    if (contradiction_.empty() && (sparse.empty() || is_blind_)) return;
   }
   last_ = row;
+  held_.wait(row);
+  while (const std::optional<Row> known = held_.next()) resample(*known);
 }
 
-void SmoothedRows::put(Row row) {
-  row.q -= offset_;
-  grid_.push_back(std::move(row));
-  if (static_cast<int>(grid_.size()) > 2 * half_ + 1) grid_.pop_front();
-  if (static_cast<int>(grid_.size()) < 2 * half_ + 1) return;
-  detect_jump();
-  if (static_cast<int>(grid_.size()) == 2 * half_ + 1) smooth();
+// The grid's points between the previous row and this one.
+void SmoothedRows::resample(const Row& row) {
+  if (!resampled_) {
+    first_t_ = row.t;
+    next_ = 0;
+    resampled_ = row;
+  }
+  for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + kSameTime * dt_; ++next_)
+    put(t < row.t ? VectorXd(resampled_->x + (t - resampled_->t) / (row.t - resampled_->t) * (row.x - resampled_->x)) : row.x);
+  resampled_ = row;
+}
+
+void SmoothedRows::put(const VectorXd& x) {
+  if (filled_ == window_.cols()) {
+    std::copy(window_.data() + window_.rows(), window_.data() + window_.size(), window_.data());
+    --filled_;
+  }
+  window_.col(filled_++) = x;
+  window_.col(filled_ - 1).head(n_) -= offset_;
+  if (filled_ < window_.cols()) return;
+  const Motion motion = recent_motion();
+  if (are_velocities_off(motion)) return;
+  detect_jump(motion);
+  if (filled_ == window_.cols()) smooth();
+}
+
+SmoothedRows::Motion SmoothedRows::recent_motion() const {
+  const Eigen::Index count = 2 * reach_;
+  const auto q = window_.block(0, filled_ - count - 1, n_, count + 1);
+  const auto dq = window_.block(n_, filled_ - count - 1, n_, count + 1);
+  Motion out;
+  out.moved = q.col(count) - q.col(0);
+  if (has_velocity_) {
+    out.unexplained = out.moved - 0.5 * dt_ * (dq.leftCols(count) + dq.rightCols(count)).rowwise().sum();
+    out.way = 0.5 * dt_ * (dq.leftCols(count).cwiseAbs() + dq.rightCols(count).cwiseAbs()).rowwise().sum();
+    return out;
+  }
+  // Without velocities the increments on either side replace them.
+  const VectorXd before = (q.col(reach_) - q.col(0)) / static_cast<double>(reach_);
+  const VectorXd after = (q.col(count) - q.col(reach_ + 1)) / static_cast<double>(std::max(Eigen::Index{1}, reach_ - 1));
+  out.unexplained = q.col(reach_ + 1) - q.col(reach_) - 0.5 * (before + after);
+  out.way = 0.5 * static_cast<double>(count) * (before.cwiseAbs() + after.cwiseAbs());
+  return out;
+}
+
+// True while the velocities are too large for their positions, or too small, also without any one of the joints: a clock
+// that goes wrong, or another unit. It ends when they agree.
+bool SmoothedRows::are_velocities_off(const Motion& motion) {
+  if (!has_velocity_) return false;
+  const double kept = 1.0 - std::min(1.0, dt_ / numbers_.clock_memory);
+  const VectorXd ratio = (motion.moved - motion.unexplained).cwiseQuotient(motion.moved).cwiseMax(0.0).cwiseMin(2.0);
+  const VectorXd weight = motion.moved.cwiseQuotient(fastest_.cwiseMax(kNothing)).cwiseAbs2();
+  moved2_ = kept * moved2_ + weight;
+  excess_ = kept * excess_ + (weight.array() == 0.0).select(0.0, (ratio.array() - 1.0).matrix().cwiseProduct(weight));
+  if (!detects_jumps_) return false;
+  const double rest = numbers_.clock_memory / dt_ * std::pow(numbers_.rest_share * 2.0 * static_cast<double>(reach_) * dt_, 2);
+  const double moved = moved2_.sum(), excess = excess_.sum();
+  if (moved < rest) return velocities_are_off_;
+  bool off = true;
+  for (Eigen::Index j = 0; j < n_; ++j) {
+    const double others = moved - moved2_[j];
+    off = off && others > rest && (excess - excess_[j]) * excess > 0.0 && std::abs(excess - excess_[j]) > numbers_.clock_error * others;
+  }
+  if (off) {
+    if (!velocities_are_off_ && on_break) on_break();
+    usable_ = std::min(usable_, time_of(filled_ - 1) - 2.0 * numbers_.clock_memory);
+    contradiction_ = text(kContradiction, ": velocities are too ", excess > 0.0 ? "large" : "small", " on all joints, as by a clock that is too ", excess > 0.0 ? "fast" : "slow");
+  }
+  velocities_are_off_ = off || (velocities_are_off_ && std::abs(excess) > numbers_.clock_error * moved);
+  return velocities_are_off_;
 }
 
 // Position increment over a few samples minus the integrated velocity. A late row deviates to one
 // side and returns, so that only lasting jumps count.
-void SmoothedRows::detect_jump() {
-  const int end = static_cast<int>(grid_.size()) - 1;
-  const int begin = end - 2 * reach_;  // within the window, for reach_ < half_
+void SmoothedRows::detect_jump(const Motion& motion) {
   seen_ += 1.0;
   std::vector<PositionJump> found;
   int jumping = 0;  // joints
-  for (int j = 0; j < arm_.joints(); ++j) {
-    const Gain gain = integrated_motion(j, begin, end);
+  for (int j = 0; j < n_; ++j) {
+    const double size = motion.unexplained[j];
     int& wait = wait_[j];
     if (wait > 0) {
       --wait;
       continue;
     }
-    const double spread = std::sqrt(spread2_[j]);
     const bool slides = arm_.coordinates()[j].prismatic;
-    const double least = std::max({numbers_.jump_deviations * spread, numbers_.jump_over_largest * largest_[j],
-                                   numbers_.jump_of_way * gain.way, slides ? numbers_.smallest_jump_sliding : numbers_.smallest_jump_turning});
-    jumping += std::abs(gain.size) > 0.5 * least ? 1 : 0;
-    if (detects_jumps_ && std::abs(gain.size) > least) {
-      found.push_back({gain.at, j, gain.size, spread});
+    const double least = std::max({numbers_.jump_over_largest * largest_[j],
+                                   numbers_.jump_of_way * motion.way[j], slides ? numbers_.smallest_jump_sliding : numbers_.smallest_jump_turning});
+    jumping += std::abs(size) > 0.5 * least ? 1 : 0;
+    if (detects_jumps_ && sees_jumps_ && std::abs(size) > least) {
+      found.push_back({jump_time(j), j, size, std::sqrt(spread2_[j])});
       continue;
     }
-    spread2_[j] += (gain.size * gain.size - spread2_[j]) / seen_;
-    largest_[j] = std::max(largest_[j], std::abs(gain.size));
+    spread2_[j] += (size * size - spread2_[j]) / seen_;
+    largest_[j] = std::max(largest_[j], std::abs(size));
   }
   // Simultaneous jumps of several encoders indicate missing or joined rows, repeated ones a wrong velocity.
   bool contradicts = !found.empty() && jumping > 1;
@@ -314,80 +336,53 @@ void SmoothedRows::detect_jump() {
     contradicts = contradicts || jump.time - last < numbers_.pause;
     last = jump.time;
   }
-  if (contradicts) {
-    const Row last = grid_.back();
-    for (const PositionJump& jump : jumps_) offset_[jump.joint] -= jump.size;  // the position was right
-    jumps_.clear();
-    restart();
-    contradicts_ = true;
-    first_t_ = last.t;
-    next_ = 1;
-    grid_.push_back(last);
-    has_last_ = true;
+  if (!contradicts) {
+    for (const PositionJump& jump : found) subtract_jump(jump);
     return;
   }
-  for (const PositionJump& jump : found) subtract_jump(jump, end);
+  for (const PositionJump& jump : jumps_) offset_[jump.joint] -= jump.size;  // the position was right
+  jumps_.clear();
+  contradiction_ = kContradiction;
+  if (on_break) on_break();
+  window_.col(0) = window_.col(filled_ - 1);
+  filled_ = 1;
 }
 
-SmoothedRows::Gain SmoothedRows::integrated_motion(int j, int begin, int end) const {
-  Gain out;
-  const auto row = [this](int k) -> const Row& { return grid_[k]; };
-  const auto step = [&](int k) {  // from sample k - 1 to k, minus the integrated velocity
-    return row(k).q[j] - row(k - 1).q[j] - 0.5 * dt_ * (row(k - 1).dq[j] + row(k).dq[j]);
-  };
-  // Without velocities the increments on either side replace them.
-  const int mid = (begin + end) / 2;
-  const double before = (row(mid).q[j] - row(begin).q[j]) / (mid - begin);
-  const double after = (row(end).q[j] - row(mid + 1).q[j]) / std::max(1, end - mid - 1);
-  double largest = 0.0;
-  for (int k = begin + 1; k <= end; ++k) {
-    if (has_velocity_) {
-      out.size += step(k);
-      out.way += 0.5 * dt_ * (std::abs(row(k - 1).dq[j]) + std::abs(row(k).dq[j]));
-    }
-    if (std::abs(step(k)) <= largest) continue;
-    largest = std::abs(step(k));
-    out.at = row(k).t;
-  }
-  if (!has_velocity_) {
-    out.size = row(mid + 1).q[j] - row(mid).q[j] - 0.5 * (before + after);
-    out.way = 0.5 * (std::abs(before) + std::abs(after)) * (end - begin);
-    out.at = row(mid + 1).t;
-  }
-  return out;
+// That of the sample with the largest step of the position that its velocity does not explain.
+double SmoothedRows::jump_time(int joint) const {
+  if (!has_velocity_) return time_of(filled_ - reach_);
+  Eigen::Index at = 0;
+  const auto q = window_.row(joint).segment(filled_ - 2 * reach_ - 1, 2 * reach_ + 1);
+  const auto dq = window_.row(n_ + joint).segment(filled_ - 2 * reach_ - 1, 2 * reach_ + 1);
+  const Eigen::Index count = 2 * reach_;
+  (q.tail(count) - q.head(count) - 0.5 * dt_ * (dq.tail(count) + dq.head(count))).cwiseAbs().maxCoeff(&at);
+  return time_of(filled_ - count + at);
 }
 
-// The jump is located at the first deviating sample.
-void SmoothedRows::subtract_jump(const PositionJump& jump, int end) {
+// From the first deviating sample on.
+void SmoothedRows::subtract_jump(const PositionJump& jump) {
   jumps_.push_back(jump);
-  for (int k = 0; k <= end; ++k) {
-    Row& row = grid_[k];
-    if (row.t >= jump.time - 0.5 * dt_) row.q[jump.joint] -= jump.size;
+  for (Eigen::Index k = 0; k < filled_; ++k) {
+    if (time_of(k) >= jump.time - 0.5 * dt_) window_(jump.joint, k) -= jump.size;
   }
   offset_[jump.joint] += jump.size;
-  wait_[jump.joint] = 2 * reach_;
+  wait_[jump.joint] = static_cast<int>(2 * reach_);
 }
 
 void SmoothedRows::smooth() {
-  contradicts_ = was_blind_ = false;
-  report_jumps(grid_.back().t - kAgain * numbers_.jump_reach);
-  const int n = arm_.joints();
-  const int count = 2 * half_ + 1;
+  contradiction_.clear();
+  was_blind_ = false;
+  report_jumps(time_of(filled_ - 1) - kAgain * numbers_.jump_reach);
+  const MatrixXd smoothed = window_.topRows(2 * n_) * kernel_;
   SmoothedRow out;
-  out.time = grid_[half_].t;
-  out.q = VectorXd::Zero(n);
-  out.dq = VectorXd::Zero(n);
-  out.ddq = VectorXd::Zero(n);
-  out.tau = grid_[half_].tau;
-  for (int i = 0; i < count; ++i) {
-    const Row& row = grid_[i];
-    out.q += value_[i] * row.q;
-    out.dq += has_velocity_ ? VectorXd(value_[i] * row.dq) : VectorXd(slope_[i] * row.q);
-    out.ddq += has_velocity_ ? VectorXd(slope_[i] * row.dq) : VectorXd(curve_[i] * row.q);
-  }
-  for (int j = 0; j < n; ++j) {  // delayed torques are shifted forward
-    out.tau[j] = sensors_.torque_at(j, half_, count, dt_, [&](Eigen::Index k) {
-      return grid_[k].tau[j];
+  out.time = time_of(half_);
+  out.q = smoothed.col(0).head(n_);
+  out.dq = has_velocity_ ? smoothed.col(0).tail(n_) : smoothed.col(1).head(n_);
+  out.ddq = has_velocity_ ? smoothed.col(1).tail(n_) : smoothed.col(2).head(n_);
+  out.tau.resize(n_);
+  for (int j = 0; j < n_; ++j) {  // delayed torques are shifted forward
+    out.tau[j] = sensors_.torque_at(j, half_, filled_, dt_, [&](Eigen::Index k) {
+      return window_(2 * n_ + j, k);
     });
   }
   if (on_row) on_row(out);
@@ -402,10 +397,12 @@ void SmoothedRows::report_jumps(double until) {
 }
 
 void SmoothedRows::restart() {
-  grid_.clear();
+  filled_ = 0;
+  held_.drop_waiting();
   report_jumps(kInfinity);
-  has_last_ = contradicts_ = false;
-  repeats_ = 0;
+  last_.reset();
+  resampled_.reset();
+  contradiction_.clear();
   if (on_break) on_break();
 }
 

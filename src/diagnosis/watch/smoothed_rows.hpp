@@ -8,6 +8,7 @@
 
 #include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "diagnosis/watch/held_signals.hpp"
 #include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn::watching {
@@ -35,12 +36,23 @@ struct Blindness {
   double set_back = 0.0;
 };
 
-/// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows,
-/// interpolates on a uniform grid, corrects channels by the model, detects and removes jumps
-/// of an encoder, and estimates velocity and acceleration by local least squares.
+/// A clock whose seconds last `1 / factor` true ones.
+struct RowClock {
+  double origin = 0.0;  ///< [s] at which both agree
+  double factor = 1.0;
+
+  double true_time(double t) const { return origin + (t - origin) / factor; }
+  double recorded_time(double t) const { return origin + (t - origin) * factor; }
+};
+
+/// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows, interpolates
+/// signals between their new values and on a uniform grid, corrects channels by the model, detects and removes
+/// jumps of an encoder, and estimates velocity and acceleration by local least squares.
 ///
 /// Rows whose times do not rise above the last one's are skipped. Where they rise among themselves for half a
-/// pause the clock was set back: on_blind reports it, and smoothing restarts.
+/// pause the clock was set back: on_blind reports it, and smoothing restarts. Where velocities of all moving
+/// joints are another multiple of the derivative of their positions, the clock or all velocities are wrong, and
+/// no row is usable.
 class SmoothedRows {
  public:
   SmoothedRows(const Model& arm, const WatchNumbers& numbers);
@@ -56,8 +68,12 @@ class SmoothedRows {
   void check(const Recording& rows) const;
   void add(const Recording& rows);
   double dt() const { return dt_; }
+  double spacing() const { return spacing_; }  ///< [s] between new values of the slowest signal
   double last_row_time() const { return heard_; }  ///< [s] of the last row, usable or not
   double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
+
+  /// Times of the rows are those of this clock from now on; all that is reported has true times.
+  void set_clock(const RowClock& clock) { clock_ = clock; }
 
   /// Enables the detection of jumps, once the noise of positions is known.
   void enable_jump_detection() { detects_jumps_ = true; }
@@ -66,57 +82,59 @@ class SmoothedRows {
   void finish() { report_jumps(heard_); }
 
  private:
-  struct Row {
-    double t;
-    VectorXd q, dq, tau;
-  };
   void copy_row(const Recording& rows, int k, Row& row) const;
   std::string fault(const Row& row) const;
-  /// A signal of every joint that may stay the same while its joint moves.
-  struct Standing {
-    VectorXd value, since, from, longest;  ///< (n) present value, since when [s], path then, longest such time before [s]
-    std::vector<char> never_changed, stopped;
-  };
-  std::string stuck_reason(Standing& standing, const char* signal, const VectorXd& value, const VectorXd& path, double time);
   bool moved() const;
   bool is_clock_continuous(double time);
   void restart_clock(double time, double before);
   void mark_unusable(double time, const std::string& why);
   void mark_usable(double time);
+  void begin();
+  void take(const Row& row);
   void place(const Row& row);
-  void put(Row row);
-  struct Gain {
-    double size = 0.0;  ///< minus the integrated velocity [rad] or [m]
-    double way = 0.0;   ///< displacement of the joint
-    double at = 0.0;    ///< [s] of the largest step
+  std::string unusable_reason(const Row& row);
+  void resample(const Row& row);
+  void put(const VectorXd& x);
+  /// (n) motion over the last samples [rad], [m].
+  struct Motion {
+    VectorXd moved;       ///< by the positions
+    VectorXd unexplained; ///< minus the integrated velocity
+    VectorXd way;         ///< integrated speed
   };
-  void detect_jump();
-  Gain integrated_motion(int joint, int begin, int end) const;
-  void subtract_jump(const PositionJump& jump, int end);
+  Motion recent_motion() const;
+  bool are_velocities_off(const Motion& motion);
+  void detect_jump(const Motion& motion);
+  double jump_time(int joint) const;
+  void subtract_jump(const PositionJump& jump);
   void report_jumps(double until);
   void smooth();
   void restart();
+  /// [s] of a sample of the window.
+  double time_of(Eigen::Index sample) const { return first_t_ + static_cast<double>(next_ + 1 + sample - filled_) * dt_; }
 
   const WatchNumbers& numbers_;
   Model arm_;
+  Eigen::Index n_;
   JointSensors sensors_;
-  bool has_velocity_ = false, detects_jumps_ = false;
-  double dt_ = 0.0;
+  RowClock clock_;
+  bool has_velocity_ = false, detects_jumps_ = false, sees_jumps_ = true;
+  double dt_ = 0.0, spacing_ = 0.0;
   std::deque<Row> start_;  // until the time step is known
-  Row last_;
-  bool has_last_ = false;
-  int repeats_ = 0;
-  long next_ = 0;
+  HeldSignals held_;
+  std::optional<Row> last_, resampled_;  // of those that came, and of those on whose grid points
+  long next_ = 0;                        // of the grid's points
   double first_t_ = 0.0;
-  std::deque<Row> grid_;
-  int half_ = 0;  // of the smoothing window
-  int reach_ = 0; // half width of the window for jumps
-  VectorXd value_, slope_, curve_;  // kernels over 2 half + 1 samples
-  VectorXd offset_;                 // jumps found so far
-  VectorXd spread2_;                // mean square of the jump statistic
-  VectorXd torque2_;                // (n) mean square of the torques of usable rows
-  long count_ = 0;                  // of these rows
-  VectorXd largest_;                // and its largest while quiet
+  MatrixXd window_;           // (3 n x 2 half + 1) samples of the grid
+  Eigen::Index filled_ = 0;   // of them
+  Eigen::Index half_ = 0;     // of the smoothing window
+  Eigen::Index reach_ = 0;    // half width of the window for jumps
+  MatrixXd kernel_;           // (2 half + 1 x 3) value, slope, curve at its middle
+  VectorXd offset_;           // jumps found so far
+  VectorXd spread2_;          // mean square of the jump statistic
+  VectorXd largest_;          // and its largest while quiet
+  VectorXd moved2_, excess_;  // (n) forgetting sums of squared motion, and of the share of it by which its velocity is too large
+  VectorXd torque2_;          // (n) mean square of the torques of usable rows
+  long count_ = 0;            // of these rows
   double seen_ = 0.0;
   // Last usable row and last row of all [s].
   double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
@@ -124,11 +142,11 @@ class SmoothedRows {
   double placed_ = HUGE_VAL;  // [s] time of the last row that came to place()
   long back_ = 0;  // rows in a row whose time does not rise above the last one's
   double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise
-  Standing torque_, position_;
   VectorXd path_;  // (n) integrated velocity [rad], [m] until path_time_ [s]
   double path_time_ = 0.0;
-  bool contradicts_ = false;  // positions have jumped on several joints or repeatedly, and no row was smoothed since
-  bool was_blind_ = false;    // and this was reported, and no row was smoothed since
+  bool velocities_are_off_ = false;
+  std::string contradiction_;  // positions and velocities contradict each other, and no row was smoothed since
+  bool was_blind_ = false;     // and this was reported, and no row was smoothed since
   std::deque<PositionJump> jumps_;  // not yet reported
   VectorXd last_jump_;              // (n) [s]
   VectorXd speed_, mean_speed_, fastest_;  // (n) of the last row, smoothed, and the largest of that

@@ -7,11 +7,10 @@
 #include "math/numbers.hpp"
 #include "recordings/velocity_trust.hpp"
 #include "veridyn/math/require.hpp"
-#include "math/student_t.hpp"
 #include "diagnosis/watch/change.hpp"
+#include "diagnosis/watch/event_words.hpp"
 #include "diagnosis/watch/evidence.hpp"
 #include "diagnosis/watch/smoothed_rows.hpp"
-#include "diagnosis/watch/step_builder.hpp"
 #include "diagnosis/watch/watch_numbers.hpp"
 
 namespace veridyn {
@@ -32,21 +31,11 @@ void check(const WatchOptions& o, const WatchNumbers& numbers) {
           " s, the shortest memory.");
 }
 
-Recording joined(const Recording& before, const Recording& rows) {
-  if (before.rows() == 0) return rows;
-  Recording out = before;
-  out.time.resize(before.rows() + rows.rows());
-  out.time << before.time, rows.time;
+void require_same_signals(const Recording& before, const Recording& rows) {
   for (const RecordingSignal& signal : kRecordingSignals) {
-    const MatrixXd& first = before.*signal.values;
-    const MatrixXd& then = rows.*signal.values;
-    MatrixXd& all = out.*signal.values;
-    require(first.cols() == then.cols(), rows.source, ": found ", then.cols(), " columns ", signal.name,
-            ", expected ", first.cols(), " as in the rows before.");
-    all.resize(first.rows() + then.rows(), first.cols());
-    if (all.size() > 0) all << first, then;
+    const Eigen::Index expected = (before.*signal.values).cols(), found = (rows.*signal.values).cols();
+    require(before.rows() == 0 || found == expected, rows.source, ": found ", found, " columns ", signal.name, ", expected ", expected, " as in the rows before.");
   }
-  return out;
 }
 
 // [s] from the earliest to the latest of the times that are numbers.
@@ -60,28 +49,31 @@ double duration_of(const VectorXd& time) {
   return latest - earliest;
 }
 
-std::set<int> wrong_velocities(const Recording& rows) {
-  if (rows.dq.size() == 0) return {};
-  return trust_in_velocities({check_recording(rows)}).wrong;
-}
-
-// Without recorded velocities where one of them is wrong: all are then derived from the positions.
-Recording with_sound_velocities(Recording rows, const std::set<int>& wrong) {
-  if (!wrong.empty()) rows.dq.resize(0, 0);
-  return rows;
-}
-
 }  // namespace
 
 class Watch::Implementation {
  public:
+  /// What is wrong with the signals of rows from their beginning on.
+  struct Signals {
+    std::set<int> wrong_velocities;  ///< joints, from 0, whose velocity is no derivative of the position
+    watching::RowClock clock;
+    std::vector<std::string> remarks;
+  };
+
   Implementation(const Model& arm, const WatchOptions& options, const WatchNumbers& numbers)
-      : numbers_(numbers), arm_(arm), options_(options), rows_(arm, numbers_), hypotheses_(arm, options.links, numbers_),
-        steps_(hypotheses_, options.step), finder_(arm, hypotheses_.all(), options, numbers_) {
+      : numbers_(numbers), arm_(arm), options_(options), rows_(arm, numbers_),
+        hypotheses_(arm, options.links, options.step, numbers_), finder_(arm, hypotheses_.all(), options, numbers_) {
     check(options, numbers_);
     state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
-    rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
-    rows_.on_break = [this] { steps_.restart(); };
+    rows_.on_row = [this](const watching::SmoothedRow& row) {
+      const std::optional<Step> step = hypotheses_.add(row, rows_.dt(), rows_.spacing());
+      if (!step) return;
+      now_ = step->time;
+      finder_.add(*step, state_);
+      state_.time = clock().recorded_time(now_);
+      if (told_) told_(state_);
+    };
+    rows_.on_break = [this] { hypotheses_.restart(); };
     rows_.on_blind = [this](const watching::Blindness& b) {
       if (b.set_back <= 0.0) {
         finder_.discard_suspicion(b);
@@ -89,27 +81,14 @@ class Watch::Implementation {
       }
       finder_.restart_clock(b, now_);
       now_ -= b.set_back;
-      state_.set_back += b.set_back;
+      state_.set_back += clock().factor * b.set_back;
       state_.alarmed = false;
     };
     rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.jump(jump, now_); };
-    steps_.on_step = [this](const Step& step) {
-      now_ = step.time;
-      finder_.add(step, state_);
-      if (told_) told_(state_);
-    };
   }
 
-  void learn(const Recording& recorded) {
-    const Recording quiet = with_sound_velocities(recorded, wrong_velocities(recorded));
-    watching::SmoothedRows rows(arm_, numbers_);
-    watching::Hypotheses hypotheses(arm_, options_.links, numbers_);
-    watching::StepBuilder steps(hypotheses, options_.step);
-    std::vector<Step> all;
-    rows.on_row = [&](const watching::SmoothedRow& row) { steps.add(row, rows.dt()); };
-    rows.on_break = [&] { steps.restart(); };
-    steps.on_step = [&](const Step& step) { all.push_back(step); };
-    rows.add(quiet);
+  void learn(const Recording& quiet) {
+    const std::vector<Step> all = steps_of(quiet, judge(quiet));
     require(static_cast<double>(all.size()) * options_.step > numbers_.middle_memory, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
     finder_.learn(all);
   }
@@ -119,15 +98,16 @@ class Watch::Implementation {
     if (judged_) {
       watch(rows);
     } else if (rows.rows() > 0) {
-      unassessed_ = joined(unassessed_, rows);
-      if (duration_of(unassessed_.time) >= numbers_.judged * options_.learn && unassessed_.rows() >= numbers_.rows_for_step) assess_velocities();
+      require_same_signals(unassessed_, rows);
+      append(unassessed_, rows);
+      if (duration_of(unassessed_.time) >= 0.5 * options_.learn && unassessed_.rows() >= numbers_.rows_for_step) assess_signals();
     }
     note_blindness();
     return take_events();
   }
 
   std::vector<WatchEvent> finish() {
-    assess_velocities();
+    assess_signals();
     rows_.finish();
     finder_.finish(now_);
     note_blindness();
@@ -135,47 +115,96 @@ class Watch::Implementation {
   }
 
   void note_blindness() {
-    state_.heard = rows_.last_row_time();
-    state_.blind = rows_.blind();
+    state_.heard = clock().recorded_time(rows_.last_row_time());
+    state_.blind = clock().factor * rows_.blind();
   }
 
+  // Events have the times of the rows' clock.
   std::vector<WatchEvent> take_events() {
     std::vector<WatchEvent> out = finder_.take_events();
+    for (WatchEvent& e : out) {
+      for (double* time : {&e.time, &e.since, &e.until}) *time = clock().recorded_time(*time);
+      e.sentence = e.stage == WatchStage::kBlind ? watching::blind_sentence(e, e.sentence) : watching::sentence(e);
+    }
     events_.insert(events_.end(), out.begin(), out.end());
     return out;
   }
 
+  // Without recorded velocities where one of them is wrong: all are then derived from the positions.
+  static Recording with_sound_velocities(Recording rows, const Signals& signals) {
+    if (!signals.wrong_velocities.empty()) rows.dq.resize(0, 0);
+    return rows;
+  }
+
   void watch(const Recording& rows) {
-    rows_.add(with_sound_velocities(rows, wrong_));
+    rows_.add(with_sound_velocities(rows, signals_));
     if (!finder_.learning()) rows_.enable_jump_detection();
   }
 
-  // Decides once whether recorded velocities are used, before the noise is learned.
-  void assess_velocities() {
+  // Decides once which velocities and which clock are used, before the noise is learned.
+  void assess_signals() {
     if (judged_) return;
     judged_ = true;
-    wrong_ = wrong_velocities(unassessed_);
-    remarks_ = remarks_on(wrong_, arm_);
     if (unassessed_.rows() > 0) {
-      const RecordingQuality quality = check_recording(unassessed_);
-      for (const char* clock : {"time_unit", "rate_contradiction"}) {
-        if (const QualityFinding* off = quality.find(clock)) remarks_.push_back(off->sentence);
-      }
+      signals_ = judge(unassessed_);
+      rows_.set_clock(clock());
       watch(unassessed_);
     }
     unassessed_ = {};
   }
 
+  const watching::RowClock& clock() const { return signals_.clock; }
+
+  Signals judge(const Recording& rows) const {
+    Signals out;
+    if (rows.rows() == 0) return out;
+    const RecordingQuality quality = check_recording(rows);
+    if (rows.dq.size() > 0) out.wrong_velocities = trust_in_velocities({quality}).wrong;
+    out.remarks = remarks_on(out.wrong_velocities, arm_);
+    if (const QualityFinding* unit = quality.find("time_unit")) out.remarks.push_back(unit->sentence);
+    const QualityFinding* off = quality.find("rate_contradiction");
+    if (off == nullptr) return out;
+    // Velocities contradict positions on all joints: the model says whether the clock is wrong or the velocities are.
+    Signals other_clock = out, other_unit = out;
+    other_clock.clock = {rows.time[0], off->value};
+    for (int j = 0; j < arm_.joints(); ++j) other_unit.wrong_velocities.insert(j);
+    const bool is_clock = residual_share(rows, other_clock) < residual_share(rows, other_unit);
+    (is_clock ? other_clock : other_unit).remarks.push_back(text(off->sentence, " The model agrees with ", is_clock ? "that rate, which is used." : "the rows' clock and with the derivative of the positions, which is used."));
+    return is_clock ? other_clock : other_unit;
+  }
+
+  // Squares that the model leaves of the torques, by those of the torques.
+  double residual_share(const Recording& rows, const Signals& signals) const {
+    double left = 0.0, whole = 0.0;
+    for (const Step& step : steps_of(rows, signals)) {
+      left += step.residual.squaredNorm();
+      whole += step.torque.squaredNorm();
+    }
+    return whole > 0.0 ? left / whole : kInfinity;
+  }
+
+  // The steps of rows by themselves.
+  std::vector<Step> steps_of(const Recording& recorded, const Signals& signals) const {
+    watching::SmoothedRows rows(arm_, numbers_);
+    watching::Hypotheses hypotheses(arm_, options_.links, options_.step, numbers_);
+    std::vector<Step> all;
+    rows.set_clock(signals.clock);
+    rows.on_row = [&](const watching::SmoothedRow& row) {
+      if (const std::optional<Step> step = hypotheses.add(row, rows.dt(), rows.spacing())) all.push_back(*step);
+    };
+    rows.on_break = [&] { hypotheses.restart(); };
+    rows.add(with_sound_velocities(recorded, signals));
+    return all;
+  }
+
   WatchNumbers numbers_;  // the parts below refer to it
   Model arm_;
   WatchOptions options_;
-  Recording unassessed_;  // first rows, until the velocities are judged
+  Recording unassessed_;  // first rows, until their signals are judged
   bool judged_ = false;
-  std::set<int> wrong_;  // joints, from 0, whose velocity is no derivative of the position
-  std::vector<std::string> remarks_;
+  Signals signals_;
   watching::SmoothedRows rows_;
   watching::Hypotheses hypotheses_;
-  watching::StepBuilder steps_;
   ChangeFinder finder_;
   WatchState state_;
   std::vector<WatchEvent> events_;
@@ -197,20 +226,11 @@ const WatchState& Watch::state() const { return own_->state_; }
 void Watch::on_step(std::function<void(const WatchState&)> call) { own_->told_ = std::move(call); }
 const Model& Watch::arm() const { return own_->arm_; }
 const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
-const std::vector<std::string>& Watch::remarks() const { return own_->remarks_; }
+const std::vector<std::string>& Watch::remarks() const { return own_->signals_.remarks; }
 
 const char* name_of(WatchStage stage) {
-  switch (stage) {
-    case WatchStage::kSuspected: return "suspected";
-    case WatchStage::kNamed: return "named";
-    case WatchStage::kUnnamed: return "unnamed";
-    case WatchStage::kRefined: return "refined";
-    case WatchStage::kOver: return "over";
-    case WatchStage::kPresent: return "present";
-    case WatchStage::kWithdrawn: return "withdrawn";
-    case WatchStage::kBlind: return "blind";
-  }
-  return "";
+  constexpr const char* kNames[] = {"suspected", "named", "unnamed", "refined", "over", "present", "withdrawn", "blind"};
+  return kNames[static_cast<size_t>(stage)];
 }
 
 }  // namespace veridyn

@@ -12,31 +12,31 @@ struct WatchNumbers {
   double half_window = 0.05;
   /// the same where velocities are derived, twice, = half_window_of_position [s].
   double half_window_of_position = 0.08;
-  /// rows >= rows_for_step: the time step is their median.
+  /// rows >= rows_for_step: the time step is the median of the first ones.
   int rows_for_step = 30;
   /// time without a row > pause [s]: filters begin anew. Times that fell and rise again for half of it: the clock
   /// was set back.
   double pause = 0.5;
   /// torques of all joints <= no_torque * their rms: no drive is on.
   double no_torque = 0.02;
-  /// repeats of a row < repeats: they are stale; more mean rest.
-  int repeats = 20;
-  /// seconds of the quiet beginning >= judged * learn: velocities are judged; the other half is learned with
-  /// them or without.
-  double judged = 0.5;
+  /// a signal stays the same for <= held [s]: its next value is awaited, and it is interpolated; longer means rest.
+  double held = 0.1;
 
   // Jumps of a position.
   /// samples within jump_reach [s] of a jump <= those of its statistic. Times that rise for as long before they
   /// have caught up with a clock that was set back: a break, and no jump.
   double jump_reach = 0.02;
-  /// jump > jump_deviations * its statistic's own scatter, ...
-  double jump_deviations = 12.0;
-  /// ... jump > jump_over_largest * the largest one of the quiet arm, ...
+  /// jump > jump_over_largest * the largest one of the quiet arm, ...
   double jump_over_largest = 2.5;
   /// ... jump > jump_of_way * displacement of the joint, so that a fast motion is no jump, ...
   double jump_of_way = 0.3;
   /// ... jump > smallest_jump_turning [rad], smallest_jump_sliding [m]: less is within the play of a joint.
   double smallest_jump_turning = 5e-4, smallest_jump_sliding = 1e-4;
+
+  // A clock that goes wrong.
+  /// velocities by the derivative of the positions, over clock_memory [s], differ from one by > clock_error on all joints
+  /// together, and also without any one of them: the clock is wrong, or another unit.
+  double clock_memory = 0.2, clock_error = 0.1;
 
   // Noise of the quiet arm.
   /// steps >= steps_for_pole * kOrder, else the noise counts as white.
@@ -50,7 +50,7 @@ struct WatchNumbers {
   double largest_pole = 0.98;
   /// part of a motion > beyond * the largest learned: it is unseen.
   double beyond = 1.1;
-  /// |ds| < rest_share * the largest speed: dry friction is undetermined.
+  /// |ds| < rest_share * the largest speed: dry friction is undetermined, and a joint does not move.
   double rest_share = 0.03;
 
   // When something has changed.
@@ -108,6 +108,10 @@ namespace watching {
 
 /// times are equal within kSameTime = a millionth of a step.
 constexpr double kSameTime = 1e-6;
+/// first rows <= kStart pauses: from them follow the time step, and how often signals are refreshed.
+constexpr double kStart = 4.0;
+/// half the smoothing's window >= kHalfWindow new values of each position and velocity.
+constexpr double kHalfWindow = 3.0;
 /// order of the autoregressions = kOrder, for the residuals of smoothing and friction.
 constexpr int kOrder = 2;
 /// time since the last learned step < kFollows steps: the step follows without a gap; times are multiples of the step.

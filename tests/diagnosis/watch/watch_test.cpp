@@ -1,5 +1,6 @@
 #include "veridyn/diagnosis/watch.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -79,6 +80,88 @@ TEST(Watch, ReportsAClockThatVelocitiesContradict) {
   watch.add(slow);
   ASSERT_EQ(watch.remarks().size(), 1U);
   EXPECT_NE(watch.remarks()[0].find("the clock is off, and the true rate is 200 Hz rather than 100 Hz"), std::string::npos) << watch.remarks()[0];
+}
+
+// Velocities in another unit contradict the positions as a wrong clock does; the model is that of the rows' own time.
+TEST(Watch, DistinguishesAWrongUnitFromAWrongClock) {
+  Recording turns = with_change("payload:tool:mass=0.3", 16.0, 2);
+  turns.dq *= 1.7;
+  Watch watch(bench().arm);
+  watch.add(turns);
+  watch.finish();
+  ASSERT_EQ(watch.remarks().size(), 1U);
+  EXPECT_NE(watch.remarks()[0].find("agrees with the rows' clock"), std::string::npos) << watch.remarks()[0];
+  const WatchEvent* named = first(watch.events(), WatchStage::kNamed);
+  ASSERT_NE(named, nullptr) << all_of(watch.events());
+  EXPECT_EQ(named->text, "payload:tool") << all_of(watch.events());
+  EXPECT_NEAR(named->since, kChange, 0.5);
+}
+
+// A clock that is wrong from the beginning on is mended: nothing else is seen than on the true one, and times are
+// those of the rows.
+TEST(Watch, AWrongClockIsNoChange) {
+  for (const double factor : {0.5, 1.1, 2.0, 10.0}) {
+    Recording quiet = recorded({}, 60.0, 3), changed = with_change("payload:tool:mass=0.3", 16.0, 3);
+    for (Recording* r : {&quiet, &changed}) r->time = 7.0 + factor * r->time.array();
+    EXPECT_TRUE(watched(quiet).empty()) << factor << "\n" << all_of(watched(quiet));
+    const std::vector<WatchEvent> events = watched(changed);
+    const WatchEvent* named = first(events, WatchStage::kNamed);
+    ASSERT_NE(named, nullptr) << factor << "\n" << all_of(events);
+    EXPECT_EQ(named->text, "payload:tool") << all_of(events);
+    EXPECT_NEAR(named->since, 7.0 + factor * kChange, 0.5 * factor) << all_of(events);
+    EXPECT_NE(named->sentence.find(fmt::format("since {:.2f} s", named->since)), std::string::npos) << named->sentence;
+    EXPECT_NEAR(named->value, 0.3, 0.03) << all_of(events);
+  }
+}
+
+// One that goes wrong while the arm is watched takes the sight, and is no change; once it is right again, changes are seen.
+TEST(Watch, AClockThatGoesWrongIsReportedAndNoChange) {
+  for (const double factor : {0.5, 1.2, 2.0}) {
+    Recording r = joined(recorded({}, 50.0, 4), recorded({"payload:tool:mass=0.3"}, 50.0, 4), 30.0, 50.0);
+    const double begin = 10.0, end = 20.0;
+    for (double& t : r.time) t = t < begin ? t : t < end ? begin + factor * (t - begin) : t + (factor - 1.0) * (end - begin);
+    const double shift = (factor - 1.0) * (end - begin);
+    const std::vector<WatchEvent> events = watched(r);
+    int blind = 0;
+    for (const WatchEvent& e : events) {
+      blind += e.stage == WatchStage::kBlind ? 1 : 0;
+      EXPECT_TRUE(e.stage == WatchStage::kBlind || e.stage == WatchStage::kSuspected || e.time > 30.0 + shift) << factor << "\n" << all_of(events);
+    }
+    ASSERT_EQ(blind, 1) << factor << "\n" << all_of(events);
+    const WatchEvent* lost = first(events, WatchStage::kBlind);
+    EXPECT_NEAR(lost->since, begin, 0.4) << all_of(events);
+    EXPECT_NE(lost->sentence.find(factor > 1.0 ? "as by a clock that is too fast" : "as by a clock that is too slow"), std::string::npos) << lost->sentence;
+    const WatchEvent* named = first(events, WatchStage::kNamed);
+    ASSERT_NE(named, nullptr) << factor << "\n" << all_of(events);
+    EXPECT_EQ(named->text, "payload:tool") << all_of(events);
+  }
+}
+
+// Rows come at 200 Hz, and some of their signals have a new value at 20 Hz only: that is no push, and a load is
+// still seen.
+TEST(Watch, ASlowlyRefreshedSignalIsNoChange) {
+  struct Slow {
+    const char* name;
+    bool q, dq, tau, without_velocities;
+  };
+  for (const Slow& slow : {Slow{"tau", false, false, true, false}, Slow{"tau, no dq", false, false, true, true}, Slow{"q, dq", true, true, false, false},
+                           Slow{"q, no dq", true, false, false, true}, Slow{"all", true, true, true, false}}) {
+    Recording quiet = recorded({}, 60.0, 5), changed = with_change("payload:tool:mass=0.3", 16.0, 5);
+    for (Recording* r : {&quiet, &changed}) {
+      for (int k = 0; k < r->rows(); ++k) {
+        const auto hold = [k](MatrixXd& m, int phase) { m.row(k) = m.row(std::max(0, k - (k + phase) % 10)).eval(); };
+        if (slow.q) hold(r->q, 0);
+        if (slow.dq) hold(r->dq, 3);
+        if (slow.tau) hold(r->tau, 6);
+      }
+      if (slow.without_velocities) r->dq.resize(0, 0);
+    }
+    EXPECT_TRUE(watched(quiet).empty()) << slow.name << "\n" << all_of(watched(quiet));
+    const std::vector<WatchEvent> events = watched(changed);
+    const WatchEvent* named = first(events, WatchStage::kNamed);
+    ASSERT_NE(named, nullptr) << slow.name << "\n" << all_of(events);
+    EXPECT_EQ(named->text, "payload:tool") << slow.name << "\n" << all_of(events);
+  }
 }
 
 class Change : public testing::TestWithParam<Case> {};
