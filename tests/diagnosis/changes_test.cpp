@@ -4,6 +4,7 @@
 #include "diagnosis/search/numbers.hpp"
 #include "diagnosis/search/search.hpp"
 #include "diagnosis/two_joint_arm.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 
 // What changed since a MODEL, on a simulated arm of two joints whose truth is known.
 
@@ -51,6 +52,26 @@ TEST_F(Changes, MomentsVisibleOnlyUnderALeanAreNoLoad) {
   const Diagnosis d = since(model, {}, {"gravity_tilt", "payload"});
   ASSERT_EQ(d.findings.size(), 1U) << d.report();
   EXPECT_EQ(effect_of(d.findings[0].cause), "gravity_tilt");
+}
+
+// The same of a robot file: under the lean these moments are base parameters, too. Without them their torque would be friction.
+TEST_F(Changes, ALeaningBaseIsAllThatARobotFileLacks) {
+  const Model leaning(with_gravity(truth_, {2.0, -1.2, -9.5}));
+  ModelDescription upright = with_gravity(truth_, {0.0, 0.0, -9.81});
+  upright.values = RobotValues::kPrior;
+  Frame& first = upright.frames[static_cast<std::size_t>(truth_.bodies().front())];
+  first.body->phi->segment<3>(1) *= -1.0;
+  ASSERT_GT(base_parameters(leaning).size(), base_parameters(Model(upright)).size());
+  truth_ = leaning;
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, {}));
+  DiagnosisOptions options;
+  options.identification.threads = 1;
+  const Diagnosis d = diagnose(Model(upright), train, {record(5, {})}, options);
+  ASSERT_EQ(d.findings.size(), 1U) << d.report();
+  EXPECT_EQ(effect_of(d.findings[0].cause), "gravity_tilt");
+  ASSERT_TRUE(d.extended.model);
+  EXPECT_LT((d.extended.model->gravity() - leaning.gravity()).norm(), 0.1) << d.report();
 }
 
 // The MODEL's own level could move as far, at a cost: the change saves this cost and leaves the error of the torque the same.

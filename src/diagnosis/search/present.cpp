@@ -72,7 +72,12 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
 }
 
 Base Present::base_of(const Rows& rows) const {
-  if (!request_.scope.changes) return fitted_base(rows, directions_, request_.threads);
+  if (!request_.scope.changes) {
+    // Under a leaning base more parameters have a torque, such as the first moments of an upright arm's first link.
+    const double lean = (rows.arm().gravity() - arm_.gravity()).norm();
+    const bool is_leaning = lean > 0.0 && lean < kHalf * arm_.gravity().norm();
+    return fitted_base(rows, is_leaning ? base_parameters(rows.arm()).size() : directions_, request_.threads);
+  }
   if (base_.T.size() == 0) return prior_base(rows, arm_);
   // The directions were determined at the MODEL's own arm; at a corrected arm their columns differ.
   Base out = base_;
