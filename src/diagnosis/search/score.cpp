@@ -499,7 +499,7 @@ Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, co
     }
     return out;
   };
-  return gain_between(fitted(with), fitted(without), weight, kRepeated);
+  return gain_between(fitted(with), fitted(without), weight, kStandardErrorsWithTest);
 }
 
 Gain Round::gain(const Fitted& with, const Fitted& without) const {

@@ -104,12 +104,12 @@ class Round {
   const Folds& folds_;
   Eigen::Index base_ = 0;
   bool prior_ = false;
-  std::vector<Eigen::Index> order_, begin_;  // rows sorted by fold; first row of every fold, then the number of rows
-  std::vector<int> block_;                   // of the sorted rows
+  std::vector<Eigen::Index> order_, begin_;  // rows sorted by fold; first sorted row of every fold, then the number of rows
+  std::vector<int> block_;                   // block of every row, in the order of order_
   std::vector<std::vector<int>> acting_;     // for each joint, the columns with a torque on it
-  std::vector<MatrixXd> X_;                  // for each joint, these columns in sorted rows
+  std::vector<MatrixXd> X_;                  // for each joint, these columns in the order of order_
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;  // first column and number of columns of every chosen term
-  MatrixXd y_, used_, a_, weights_;          // sorted
+  MatrixXd y_, used_, a_, weights_;          // rows in the order of order_
   MatrixXd bounds_;    // (bounds x columns): value + row . x >= 0
   VectorXd value_;
   VectorXd ridge_, scale_, samples_, rows_of_, floor_;

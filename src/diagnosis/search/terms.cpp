@@ -43,7 +43,7 @@ double odds_of(const Effect& effect) {
   const std::vector<EffectShape> shapes = effect.shapes();
   const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.scale == ShapeScale::kWaves; });
   const bool seldom = traits.depends_on_time || traits.uses_source || waves || traits.role == EffectRole::kArm || !traits.forward_simulable || effect.parameters().size() > 2;
-  return seldom ? kSeldom : 0.0;
+  return seldom ? kPriceOfSeldom : 0.0;
 }
 
 class Builder {
@@ -178,7 +178,7 @@ class Builder {
       std::vector<double>& all = values[shape.name];
       std::sort(all.begin(), all.end());
       all.erase(std::unique(all.begin(), all.end()), all.end());
-      TermShape one{shape.name, shape.lower, shape.upper, shape.logarithmic, shape.logarithmic ? 2.0 : kQuarter * (shape.upper - shape.lower), false};
+      TermShape one{shape.name, shape.lower, shape.upper, shape.logarithmic, shape.logarithmic ? 2.0 : kQuarterOfRange * (shape.upper - shape.lower), false};
       const auto at = std::lower_bound(all.begin(), all.end(), value->second);
       const double next = at + 1 < all.end() ? *(at + 1) : at > all.begin() ? *(at - 1) : value->second;
       if (next != value->second && next != 0.0 && value->second != 0.0) {
