@@ -554,7 +554,7 @@ TEST(AFault, ARecordingOfFewRowsIsReportedAsTooShort) {
   EXPECT_THROW(check_recording(Recording()), InvalidInput);
 }
 
-// Beyond the head, the tallies go on piece by piece and miss no seam.
+// Rows beyond the head are counted piece by piece; a fault at the boundary of two pieces is counted as well.
 TEST(ALongRecording, IsCountedToItsEnd) {
   const Recording part = clean_recording();
   const int copies = 50;

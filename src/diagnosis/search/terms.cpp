@@ -106,7 +106,7 @@ class Builder {
     t.cause = c.cause;
     t.joint = c.joint;
     t.place = to_text(arm_, c.cause) + (c.from ? " from " + std::to_string(c.from->value) : "") + axis_text(arm_, c.axis) +
-              (is_other_constant(c) ? " other" : "");
+              (is_changed_constant(c) ? " other" : "");
     if (is_load(c)) {
       t.kind = TermKind::kLoad;
       t.joint.reset();
@@ -132,7 +132,7 @@ class Builder {
       out_.push_back(std::move(t));
       return;
     }
-    if (is_change(c)) {
+    if (is_changed_effect(c)) {
       t.kind = TermKind::kChange;
       t.effect = arm_.effects()[c.own->value];
     }
@@ -141,7 +141,7 @@ class Builder {
       if (parameters[p].sign == ParameterSign::kNonnegative)
         t.nonnegative.push_back({static_cast<Eigen::Index>(p), own == t.effect.values.end() ? 0.0 : std::max(own->second, 0.0)});
     }
-    if (is_change(c)) {
+    if (is_changed_effect(c)) {
       out_.push_back(std::move(t));
       return;
     }
@@ -149,7 +149,7 @@ class Builder {
     const EffectTraits traits = effect.traits();
     t.with_rest = scope_.changes && traits.affine && traits.holds_at_rest && (traits.uses_position || traits.uses_source);
     const AxisMotion motion = motion_along(c.axis);
-    if (is_other_constant(c)) return;
+    if (is_changed_constant(c)) return;
     for (const ShapeChoice& choice : effect.grid(motion)) {
       Term one = t;
       one.effect.values = choice;

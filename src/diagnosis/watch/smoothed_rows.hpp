@@ -69,8 +69,8 @@ class SmoothedRows {
   void add(const Recording& rows);
   double dt() const { return dt_; }
   double spacing() const { return spacing_; }  ///< [s] between new values of the slowest signal
-  double last_row_time() const { return heard_; }  ///< [s] of the last row, usable or not
-  double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
+  double last_row_time() const { return last_row_time_; }  ///< [s] of the last row, usable or not
+  double blind() const { return blind_ + (is_blind_ ? last_row_time_ - usable_ : 0.0); }
 
   /// Times of the rows are those of this clock from now on; all that is reported has true times.
   void set_clock(const RowClock& clock) { clock_ = clock; }
@@ -79,7 +79,7 @@ class SmoothedRows {
   void enable_jump_detection() { detects_jumps_ = true; }
 
   /// Reports what waits for more rows, at the end.
-  void finish() { report_jumps(heard_); }
+  void finish() { report_jumps(last_row_time_); }
 
  private:
   void copy_row(const Recording& rows, int k, Row& row) const;
@@ -137,8 +137,8 @@ class SmoothedRows {
   long count_ = 0;            // of these rows
   double seen_ = 0.0;
   // Last usable row and last row of all [s].
-  double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
-  bool heard_any_ = false, is_blind_ = false;
+  double usable_ = 0.0, last_row_time_ = 0.0, blind_ = 0.0;
+  bool has_row_ = false, is_blind_ = false;
   double placed_ = HUGE_VAL;  // [s] time of the last row that came to place()
   long back_ = 0;  // rows in a row whose time does not rise above the last one's
   double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise

@@ -19,7 +19,7 @@ class Experiment {
 
   void begin(const ScenarioPhase& phase);
   /// False if the controller refuses it.
-  bool command(const ScenarioCommand& c);
+  bool apply_command(const ScenarioCommand& c);
   /// Advances by one control period. False if the engine failed.
   bool step();
   /// Stores the instant before the step as row k of the run.
