@@ -527,7 +527,7 @@ TEST_F(AMistakenRecording, WithNegatedVelocitiesIsNotReportedAsAnotherUnit) {
 }
 
 // The arm rests between its motions on closed brakes, without torques of its motors.
-TEST_F(AMistakenRecording, WithClosedBrakesIsCorrectedByTheSpeed) {
+TEST_F(AMistakenRecording, WithClosedBrakesIsCorrectedByTheMinSpeedOption) {
   const Recording sound = recorded("elbow-6r", 43);
   const int half = sound.rows() / 2, pause = 300;
   std::vector<int> rows;

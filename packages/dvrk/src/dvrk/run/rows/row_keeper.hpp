@@ -55,7 +55,7 @@ class RowKeeper {
 
  private:
   static constexpr double kSpare = 1.2;        ///< Factor on the expected number of rows
-  static constexpr double kMostTouched = 5e8;  ///< [bytes]
+  static constexpr double kMostTouched = 5e8;  ///< [bytes] larger memory is not written in advance
   Recording rows_;
   std::atomic<Eigen::Index> count_{0};
 };
@@ -85,7 +85,7 @@ class LatchTime {
   void mark_gap() noexcept { gap_ = true; }
   /// Latches during which the boards' counter did not advance, timed by the link's clock.
   long stalled_latches() const { return stalled_latches_; }
-  /// Number of missing intervals.
+  /// Number of intervals that reads of another client have removed.
   long foreign_reads() const { return foreign_; }
 
  private:
