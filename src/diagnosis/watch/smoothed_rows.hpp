@@ -78,7 +78,7 @@ class SmoothedRows {
   /// Enables the detection of jumps, once the noise of positions is known.
   void enable_jump_detection() { detects_jumps_ = true; }
 
-  /// Reports the jumps that are not confirmed yet, after the last row.
+  /// Reports the remaining jumps, after the last row.
   void finish() { report_jumps(last_row_time_); }
 
  private:
