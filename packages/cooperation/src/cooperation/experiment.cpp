@@ -152,10 +152,10 @@ void Experiment::make_controller() {
 }
 
 void Experiment::begin(const ScenarioPhase& phase) {
-  for (const ScenarioCommand& c : phase.commands) apply_command(c);
+  for (const ScenarioCommand& c : phase.commands) execute(c);
 }
 
-bool Experiment::apply_command(const ScenarioCommand& c) {
+bool Experiment::execute(const ScenarioCommand& c) {
   if (c.kind == ScenarioCommand::Kind::kRelease) {
     world_->detach(c.member);
     held_[c.member] = 0;

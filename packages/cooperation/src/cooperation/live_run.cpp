@@ -139,7 +139,7 @@ class Live {
     jogs_ = false;
     if (std::holds_alternative<LiveStop>(command)) experiment_.stop();
     const auto* one = std::get_if<ScenarioCommand>(&command);
-    if (one == nullptr || experiment_.apply_command(*one)) return;
+    if (one == nullptr || experiment_.execute(*one)) return;
     ++out_.refused;
     if (callbacks_.refused)
       callbacks_.refused(text("the controller ", describe(experiment_.controller().state()),
@@ -159,7 +159,7 @@ class Live {
     ScenarioCommand move;
     move.way = velocity_ * 0.5 * kJogAhead;
     move.over = kJogAhead;
-    experiment_.apply_command(move);
+    experiment_.execute(move);
   }
 
   void watch() {
