@@ -10,7 +10,7 @@ mkdir -p "$out"
 
 step() { printf '\n== %s\n' "$*"; }
 
-step "1. Two motions for $robot that tell its parameters apart: one to identify from, one held out"
+step "1. Two motions for $robot that determine its parameters: one to identify from, one held out"
 "$tool" excite "$robot" -o "$out/train-motion.csv" --criterion d-optimal --frequency 0.13 --seed 1 \
   --quiet --json "$out/excite.json"
 "$tool" excite "$robot" -o "$out/test-motion.csv" --criterion condition --frequency 0.17 --seed 2 --quiet >"$out/test-motion.txt"
@@ -28,7 +28,7 @@ sed '/noise floor/q' "$out/identified.txt"
 
 step "4. What was found, against the truth"
 "$tool" info "$out/truth.yaml" --quiet --json "$out/truth.json" >/dev/null
-# The base parameters of both files by name: those that are told best, relative to their error bars.
+# The base parameters of both files by name: those with the smallest intervals, relative to their values.
 awk '
   /"base_parameters": \[/ { inside = 1 }
   inside && /^  \]/ { inside = 0 }

@@ -146,12 +146,12 @@ bool is_load(const Candidate& c) {
   return std::holds_alternative<AddedLoad>(c.cause);
 }
 
-bool is_change(const Candidate& c) {
+bool is_changed_effect(const Candidate& c) {
   return std::holds_alternative<ChangedEffect>(c.cause);
 }
 
-bool is_other_constant(const Candidate& c) {
-  return c.own && !is_change(c);
+bool is_changed_constant(const Candidate& c) {
+  return c.own && !is_changed_effect(c);
 }
 
 bool is_channel(const Candidate& c) {

@@ -26,8 +26,8 @@ struct Candidate {
 };
 
 bool is_load(const Candidate& c);
-bool is_change(const Candidate& c);
-bool is_other_constant(const Candidate& c);
+bool is_changed_effect(const Candidate& c);
+bool is_changed_constant(const Candidate& c);
 bool is_channel(const Candidate& c);  ///< the error of a sensor, or of the arm as a whole
 
 /// Selection of candidates.

@@ -88,9 +88,11 @@ class MassCost {
   double reach_;
 };
 
-/// Cost of the load with ten columns from `first` on, with the other columns of the set fitted at the same
-/// time.
-/// @param rows  one entry for each joint; weights (n).
+/// Weighted least-squares cost as a function of the load's ten parameters (columns first .. first + 9), with the columns
+/// `beside` eliminated.
+/// @param rows  squares of every joint, with weights (n).
+/// @param without  sums to subtract, or null.
+/// @param reach  [m] bound of the centre.
 MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                    int first, const std::vector<int>& beside, double reach);
 

@@ -579,11 +579,11 @@ std::string PayloadReport::report() const {
   for (const std::string& remark : remarks) out += "  " + remark + ".\n";
   out += fmt::format("  {:<22}{:>14}  {:<21}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg", "  95 %", "x m", "y m", "z m", "explains", "held out");
   for (const PayloadEstimate& link : links) {
-    const bool told = link.has_mass();
+    const bool is_determined = link.has_mass();
     std::string centre;
     for (size_t c = 0; c < link.seen.size(); ++c)
-      centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)]) : fmt::format("{:>8}", "-");
-    out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10}\n", link.frame, told ? fmt::format("{:.4g}", link.mass) : "not determined",
+      centre += is_determined && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)]) : fmt::format("{:>8}", "-");
+    out += fmt::format("  {:<22}{:>14}  {:<21}{}  {:>7.1f} %{:>10}\n", link.frame, is_determined ? fmt::format("{:.4g}", link.mass) : "not determined",
                        mass_interval_text(link), centre, numerics::kPercent * std::max(0.0, link.explained),
                        std::isnan(link.gain) ? "-" : fmt::format("{:.3f}", link.gain == 0.0 ? 0.0 : link.gain));
     for (const std::string& other : link.others)

@@ -63,7 +63,7 @@ double offset_of(const Frame& frame, const DhRow& row) {
   return frame.type == JointType::kRevolute ? row.theta : row.d;
 }
 
-void place(Frame& frame, const FrameNumbers& v) {
+void set_frame_numbers(Frame& frame, const FrameNumbers& v) {
   if (frame.dh) {
     DhRow row = *frame.dh;
     frame.variable.offset -= offset_of(frame, row);  // place() adds the new offset
@@ -246,7 +246,7 @@ void set_values(const std::vector<std::pair<FrameConstant, double>>& values, Mod
       placed.emplace(k, numbers_of(arm.frames[k])).first->second[static_cast<int>(constant.number)] = value;
     }
   }
-  for (const auto& [k, numbers] : placed) place(arm.frames[k], numbers);
+  for (const auto& [k, numbers] : placed) set_frame_numbers(arm.frames[k], numbers);
 }
 
 std::string effect_of(const Cause& cause) {

@@ -64,7 +64,8 @@ InertialVector rod_body(const Model& arm, int frame) {
   return inertial_parameters(J);
 }
 
-// The prior's body of this name if it is possible, else that of the manufacturer, else the rod.
+// Prior of a body: the body of that name in `prior` if it is physically consistent, else the manufacturer's, else a
+// uniform rod.
 struct BodyPrior {
   InertialVector phi;
   bool drawn = true;  // false: the body is the rod

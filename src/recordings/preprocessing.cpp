@@ -17,7 +17,7 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kCore = 4096;  // smallest number of samples in one segment
-// Keeps the share of samples that are filtered twice small.
+// Rows of a segment's core for each row around it: a large number keeps the share of samples that are filtered twice small.
 constexpr Eigen::Index kCorePerHalo = 3;
 constexpr double kHaloRemainder = 1e-9;  // remainder of the filter's transient at the core
 constexpr Eigen::Index kDerivatives =
@@ -26,7 +26,7 @@ constexpr double kPreparedBytes = 1.5 * sizeof(double);  // bytes for each numbe
 
 std::atomic<long> g_prepared{0};
 
-// Share of the sampling rate: with a cut-off closer to zero, or to half the rate, the transient is longer
+// cut-off >= kSlowestCutoff * sampling rate, and as far below half of it: else the filter's transient is longer
 // than any recording.
 constexpr double kSlowestCutoff = 1e-5;
 /// sampling rate < kSlowClock [Hz]: times are more likely milliseconds than seconds.

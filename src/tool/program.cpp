@@ -47,7 +47,7 @@ int run(const std::vector<AddCommand>& commands, const Words& words) {
 }
 
 template <typename Work>
-int run_and_explain(const Work& work) {
+int run_and_report_errors(const Work& work) {
   try {
     const int status = work();
     require(static_cast<bool>(std::cout.flush()), "standard output: writing failed.");
@@ -110,7 +110,7 @@ AddCommand package_command(const std::string& command) {
 int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
   hold_places_of_closed_streams();
   handle_truncated_files();
-  return run_and_explain([&] {
+  return run_and_report_errors([&] {
     const Words words(argv + std::min(argc, 1), argv + argc);
     if (const std::optional<int> status = pass_to_package(words)) return *status;
     std::vector<AddCommand> all = commands;
@@ -122,7 +122,7 @@ int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
 int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) {
   hold_places_of_closed_streams();
   handle_truncated_files();
-  return run_and_explain([&] {
+  return run_and_report_errors([&] {
     Words words(argv + std::min(argc, 1), argv + argc);
     if (words == Words{"--describe"}) return describe(commands);
     if (!words.empty() && words.front() == "--as") {

@@ -28,7 +28,7 @@ TEST(Candidates, AreListedOnceAndDifferFromEachOther) {
     std::set<std::string> seen;
     for (const Candidate& c : all) {
       const std::string from = c.from ? std::to_string(c.from->value) : "";
-      EXPECT_TRUE(seen.insert(text(to_text(arm, c.cause), " along ", c.axis.coefficients.transpose(), " from ", from, c.cause.index(), is_other_constant(c))).second)
+      EXPECT_TRUE(seen.insert(text(to_text(arm, c.cause), " along ", c.axis.coefficients.transpose(), " from ", from, c.cause.index(), is_changed_constant(c))).second)
           << to_text(arm, c.cause);
       EXPECT_EQ(c.joint.has_value(), acting_joint(arm, c.cause).has_value());
     }

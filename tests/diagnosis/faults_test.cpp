@@ -144,7 +144,7 @@ TEST_F(TwoJointArm, AnEncodersZeroIsReportedBeforeTheEquivalentAngleOfTheFile) {
 
 // The held-out recording comes from a broken sensor. Against a MODEL causes are selected on the training recordings alone; of a
 // robot file a cause that the held-out recording contradicts is no finding.
-TEST_F(TwoJointArm, HeldOutRowsRefuteCausesOfARobotFileAndNotChangesOfAModel) {
+TEST_F(TwoJointArm, ContradictingTestRecordingsRejectCausesButNotChangesSinceAnIdentifiedModel) {
   const std::vector<std::string> hidden = {"presliding_hysteresis:shoulder:level=3,distance=0.04",
                                            "joint_spring:2"};
   std::vector<std::string> train;

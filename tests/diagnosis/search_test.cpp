@@ -5,7 +5,7 @@
 #include <map>
 
 #include "diagnosis/search/explain.hpp"
-#include "diagnosis/search/present.hpp"
+#include "diagnosis/search/current_set.hpp"
 #include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
 
@@ -184,19 +184,19 @@ TEST_F(PresentSet, HasTheColumnsOfTheArmThatItMovedTo) {
   search::SearchRequest request;
   request.recordings = {record(1, {})};
   request.periods = {0.0};
-  search::Present present(truth_, request);
+  search::CurrentSet current(truth_, request);
   const auto evaluate_all = [&] {
-    for (std::size_t k = 0; k < present.dictionary().size(); ++k) present.columns_at(k);
+    for (std::size_t k = 0; k < current.dictionary().size(); ++k) current.columns_at(k);
   };
   ModelDescription leaning = truth_.description(), scaled = leaning;
   leaning.gravity = {1.0, 2.0, -9.5};
   scaled.coordinates[1].recorded.torque_gain = 1.3;
   evaluate_all();
   for (const ModelDescription& other : {leaning, scaled}) {
-    ASSERT_TRUE(present.move_to(Model(other)));
-    for (std::size_t k = 0; k < present.dictionary().size(); ++k) {
-      const search::Term& term = present.dictionary()[k];
-      const search::Columns anew = search::columns_of(term, present.rows()), kept = *present.columns_at(k);
+    ASSERT_TRUE(current.move_to(Model(other)));
+    for (std::size_t k = 0; k < current.dictionary().size(); ++k) {
+      const search::Term& term = current.dictionary()[k];
+      const search::Columns anew = search::columns_of(term, current.rows()), kept = *current.columns_at(k);
       ASSERT_EQ(kept.joints, anew.joints) << term.place;
       for (std::size_t at = 0; at < anew.of.size(); ++at) EXPECT_TRUE(kept.of[at].isApprox(anew.of[at], 1e-12)) << term.place;
     }

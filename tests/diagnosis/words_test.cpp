@@ -44,8 +44,7 @@ TEST(FindingWords, EveryKindOfCauseHasASentence) {
   EXPECT_EQ(sentence(arm, large), "The arm has a delay. That is large.");
 }
 
-// An interval does not become narrower by another fit.
-TEST(FindingWords, AnotherFitChangesValuesAndTheirIntervals) {
+TEST(FindingWords, RefittingUpdatesValuesAndNeverNarrowsIntervals) {
   Identification id;
   id.model = read_model("planar-2r");
   const std::vector<std::string> names = parameter_names(standard_parameters(*id.model));

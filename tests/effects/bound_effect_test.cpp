@@ -137,7 +137,7 @@ TEST(BoundEffect, SamplesMayLieApartInMemoryAndTimeCountsFromTheStart) {
   EXPECT_DOUBLE_EQ(x.from_ds, -1.1 + 2.6);
 }
 
-TEST(BoundEffect, UnitsFollowTheAxisAndTheSource) {
+TEST(BoundEffect, UnitsFollowTheJointTypesOfBothAxes) {
   const Model arm = bare_arm({});
   EffectTerm term = term_of("cable_coupling", yaw_axis());
   EXPECT_EQ(BoundEffect(arm, term).unit(0), "N m/m");

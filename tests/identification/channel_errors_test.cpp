@@ -118,7 +118,7 @@ TEST_P(ArmEffect, ColumnIsTheDerivativeOfTheRecordedTorque) {
   EXPECT_LT((expected - without.column).norm(), tolerance * without.column.norm());
 }
 
-TEST(ArmEffect, ErrorsOfTheModelAreCorrectedWhenRecordingsAreRead) {
+TEST(ArmEffect, ChannelErrorsStoredInAModelAreCorrectedInItsRecordings) {
   ModelDescription d = plausible_model(read_model("scara"), 2).arm.description();
   d.effects.clear();
   const Model arm(std::move(d));
@@ -130,7 +130,7 @@ TEST(ArmEffect, ErrorsOfTheModelAreCorrectedWhenRecordingsAreRead) {
   aware = with_channel_error(aware, term_of(arm, "time_delay", 1), {0.005});
   aware = with_channel_error(aware, term_of(arm, "encoder_offset", 0), {0.02});
   aware = with_channel_error(aware, term_of(arm, "torque_crosstalk", 2), {0.07});
-  // And the file keeps it.
+  // The model's file stores the errors.
   aware = read_yaml(to_yaml(aware), "aware.yaml");
   const auto first = [](const Model& m, const Recording& r) {
     std::vector<Segment> all;

@@ -30,7 +30,7 @@ Recording recorded(const std::string& source, unsigned seed, const Model& arm = 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // A copy, and a piece with times of its own.
-TEST(ATestRecording, WithRowsThatWereLearnedFromIsNotHeldOut) {
+TEST(ATestRecording, WithTrainingRowsIsNotHeldOut) {
   const Recording train = recorded("train", 1);
   Recording copy = train, piece = rows_of(train, 3000, 2500);
   copy.source = "copy";

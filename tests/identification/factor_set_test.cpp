@@ -299,7 +299,7 @@ Identification by_ranks(const Model& arm, const std::vector<std::string>& train,
   return answer;
 }
 
-TEST(ManyMachines, GiveTheSameResultAsOne) {
+TEST(DistributedIdentification, GivesTheResultOfOneProcess) {
   const Model arm = robot("scara");
   const Files files("ranks");
   std::vector<std::string> train = files.recordings(arm, 6, 8.0);
@@ -318,7 +318,7 @@ TEST(ManyMachines, GiveTheSameResultAsOne) {
 }
 
 // A velocity whose scale is wrong is left out by one process; ranks and factors do the same.
-TEST(ManyMachines, ChooseTheVelocitiesThatOneMachineChooses) {
+TEST(DistributedIdentification, ChoosesTheVelocitiesThatOneProcessChooses) {
   const Model arm = robot("scara");
   const Files files("ranks-velocities");
   std::vector<std::string> train;
@@ -346,7 +346,7 @@ TEST(ManyMachines, ChooseTheVelocitiesThatOneMachineChooses) {
   EXPECT_THROW(merge(factors, compress(arm, test)), InvalidInput);
 }
 
-TEST(ManyMachines, SkipUnreadableRecordings) {
+TEST(DistributedIdentification, SkipsUnreadableRecordings) {
   const Model arm = robot("scara");
   const Files files("ranks-left-out");
   const std::vector<std::string> good = files.recordings(arm, 3, 8.0);
@@ -365,10 +365,10 @@ TEST(ManyMachines, SkipUnreadableRecordings) {
   EXPECT_EQ(refused.size(), 3U);
 }
 
-// What rank 0 alone finds out is refused by all, in the same words, and nobody waits: a prior of another arm, before
-// anything is read; a weight that no solver takes, once all have compressed; and a recording that is gone when its
-// errors are measured; and what another rank cannot keep.
-TEST(ManyMachines, FailTogether) {
+// A fault that only one rank detects ends all ranks: a prior of another arm, before anything is read; a weight that no
+// solver accepts, once all recordings are compressed; a recording that is missing when its errors are measured; and factors
+// that another rank cannot store.
+TEST(DistributedIdentification, FailsOnAllRanksWithTheSameMessage) {
   const Model arm = robot("scara");
   const Files files("ranks-refuse");
   const std::vector<std::string> train = files.recordings(arm, 3, 8.0);
@@ -408,7 +408,7 @@ TEST(ManyMachines, FailTogether) {
 }
 
 // Factors are kept while the work goes on, and once as a whole, with the velocities that were chosen in the end.
-TEST(ManyMachines, WriteTheSameFactorsAsOne) {
+TEST(DistributedIdentification, WritesTheFactorsOfOneProcess) {
   const Model arm = robot("scara");
   const Files files("kept");
   std::vector<std::string> train = files.recordings(arm, 3, 8.0);
@@ -438,7 +438,7 @@ TEST(ManyMachines, WriteTheSameFactorsAsOne) {
 }
 
 // Ranks tell what recordings leave open as one machine does.
-TEST(ManyMachines, ReportTheSameErrorAsOne) {
+TEST(DistributedIdentification, ReportsTheErrorOfOneProcess) {
   const Model arm = robot("scara");
   const Files files("still");
   std::vector<std::string> train = files.recordings(arm, 2, 8.0);
@@ -455,8 +455,8 @@ TEST(ManyMachines, ReportTheSameErrorAsOne) {
   EXPECT_EQ(many.undetermined, one.undetermined);
 }
 
-// They share factors, and drive gains and instruments need samples.
-TEST(ManyMachines, RefuseOptionsThatNeedSamples) {
+// Ranks exchange factors, but drive gains and instruments need samples.
+TEST(DistributedIdentification, RejectsOptionsThatNeedSamples) {
   const Model arm = robot("scara");
   Mail mail;
   ThreadRank alone(0, 1, mail);

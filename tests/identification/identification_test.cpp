@@ -261,9 +261,9 @@ TEST_P(FeasibleFits, AreConsistentAndNeverBelowTheUnconstrainedOptimum) {
   }
 }
 
-// Every body that is possible has positive moments, so that the weaker condition can only fit
-// better.
-TEST_P(FeasibleFits, OfTheWeakerConditionFitBetter) {
+// Every physically consistent body has positive principal moments, so that this weaker condition alone fits no
+// worse.
+TEST_P(FeasibleFits, PrincipalMomentsAloneFitNoWorseThanFullConsistency) {
   IdentificationOptions o = with(Method::kFeasible);
   const Identification strict = identify(arm_, noisy_, o);
   o.condition = PhysicalCondition::kPrincipalMoments;

@@ -63,7 +63,7 @@ TEST(TheFleetsReport, ListsOutliersAndCountsTheRest) {
   EXPECT_EQ(more, 3U) << many;  // each list ends
 }
 
-TEST(TheFleetsReport, OfNoModelIsItsReason) {
+TEST(TheFleetsReport, StatesTheReasonWhereThereIsNoModel) {
   Fleet f;
   f.robot = "scara";
   f.reason = "found 2 arms, expected 3 at least";

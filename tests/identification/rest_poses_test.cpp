@@ -129,8 +129,8 @@ TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
 }
 
 // The links of a SCARA that turn about the vertical have no weight in any torque: the solver leaves them near the solid
-// balls that it begins with, whose moments of inertia are two fifths of mass times squared radius.
-TEST(RestingScara, UnobservedLinksAreNearlySolidBalls) {
+// spheres that it begins with, whose moments of inertia are two fifths of mass times squared radius.
+TEST(RestingScara, UnobservedLinksStayNearTheInitialSolidSpheres) {
   const Model truth = read_model("scara");
   ModelDescription unknown = truth.description();
   for (Frame& frame : unknown.frames)

@@ -130,7 +130,7 @@ TEST_F(AMistakenRecording, IsNamedWithTheShareThatFalls) {
   }
 }
 
-TEST_F(AMistakenRecording, WithTorquesTurnedRoundIsMendedByUnits) {
+TEST_F(AMistakenRecording, WithTorquesTurnedRoundIsCorrectedByTheUnitsOption) {
   for (const char* robot : {"psm-3dof", "elbow-6r"}) {
     Recording r = recorded(robot, 4);
     r.tau.col(1) *= -1.0;
@@ -149,7 +149,7 @@ TEST_F(AMistakenRecording, WithAllTorquesNegatedIsDetectedByItsFriction) {
   EXPECT_NE(sentences_.find("--units tau=-Nm mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithSwappedTorquesIsMendedByMap) {
+TEST_F(AMistakenRecording, WithSwappedTorquesIsCorrectedByTheMapOption) {
   Recording r = recorded("elbow-6r", 6);
   r.tau.col(1).swap(r.tau.col(2));
   EXPECT_EQ(findings(r), Names{"swapped_joints:2"}) << sentences_;
@@ -159,7 +159,7 @@ TEST_F(AMistakenRecording, WithSwappedTorquesIsMendedByMap) {
   EXPECT_EQ(findings(r, mended), Names{}) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithSwappedMotionIsMendedByMap) {
+TEST_F(AMistakenRecording, WithSwappedMotionIsCorrectedByTheMapOption) {
   Recording r = recorded("elbow-6r", 7);
   r.q.col(1).swap(r.q.col(2));
   r.dq.col(1).swap(r.dq.col(2));
@@ -167,7 +167,7 @@ TEST_F(AMistakenRecording, WithSwappedMotionIsMendedByMap) {
   EXPECT_NE(sentences_.find("--map q2=q3,q3=q2,dq2=dq3,dq3=dq2 mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, InDegreesIsMendedByUnits) {
+TEST_F(AMistakenRecording, InDegreesIsCorrectedByTheUnitsOption) {
   Recording r = recorded("elbow-6r", 8);
   r.q *= 180.0 / M_PI;
   r.dq *= 180.0 / M_PI;
@@ -176,7 +176,7 @@ TEST_F(AMistakenRecording, InDegreesIsMendedByUnits) {
 }
 
 // One joint's driver publishes degrees, or the position of its motor; all others are right.
-TEST_F(AMistakenRecording, WithOneJointInAnotherUnitIsMendedByUnits) {
+TEST_F(AMistakenRecording, WithOneJointInAnotherUnitIsCorrectedByTheUnitsOption) {
   Recording r = recorded("elbow-6r", 8);
   r.q.col(2) *= 180.0 / M_PI;
   r.dq.col(2) *= 180.0 / M_PI;
@@ -190,7 +190,7 @@ TEST_F(AMistakenRecording, WithOneJointInAnotherUnitIsMendedByUnits) {
 }
 
 // An arm that turns and slides, in degrees and millimetres: no option of one undoes the other's.
-TEST_F(AMistakenRecording, InDegreesAndMillimetresIsMendedByUnitsOfBoth) {
+TEST_F(AMistakenRecording, InDegreesAndMillimetresIsCorrectedByTheUnitsOptionForBoth) {
   Recording r = recorded("psm-3dof", 8);
   for (MatrixXd* values : {&r.q, &r.dq}) {
     values->leftCols(2) *= 180.0 / M_PI;
@@ -274,7 +274,7 @@ TEST(AZero, IsCheckedAfterTheUnit) {
   EXPECT_FALSE(recordings::unit_scale("tau", "Nm@1"));
 }
 
-TEST_F(AMistakenRecording, InTurnsIsMendedByUnits) {
+TEST_F(AMistakenRecording, InTurnsIsCorrectedByTheUnitsOption) {
   Recording r = recorded("elbow-6r", 33);
   r.q /= 2.0 * M_PI;
   r.dq *= 30.0 / M_PI;
@@ -282,7 +282,7 @@ TEST_F(AMistakenRecording, InTurnsIsMendedByUnits) {
   EXPECT_NE(sentences_.find("--units q=rev,dq=rpm mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithOneTorqueInAnotherUnitIsMendedByUnits) {
+TEST_F(AMistakenRecording, WithOneTorqueInAnotherUnitIsCorrectedByTheUnitsOption) {
   Recording r = recorded("elbow-6r", 34);
   r.tau.col(2) *= 1e3;
   EXPECT_EQ(findings(r), Names{"torque_unit:3"}) << sentences_;
@@ -290,7 +290,7 @@ TEST_F(AMistakenRecording, WithOneTorqueInAnotherUnitIsMendedByUnits) {
 }
 
 // Signs of single joints beside the unit of all: the options undo both.
-TEST_F(AMistakenRecording, InDegreesAndTheOtherWayRoundIsMendedByBothOptions) {
+TEST_F(AMistakenRecording, InDegreesAndTheOtherWayRoundIsCorrectedByBothOptions) {
   Recording r = recorded("elbow-6r", 35);
   for (MatrixXd* values : {&r.q, &r.dq}) {
     *values *= 180.0 / M_PI;
@@ -309,7 +309,7 @@ TEST_F(AMistakenRecording, WithoutVelocitiesIsCheckedWithDerivatives) {
 }
 
 // As drivers of Universal Robots publish their joints.
-TEST_F(AMistakenRecording, InTheOrderOfNamesIsMendedByMap) {
+TEST_F(AMistakenRecording, InTheOrderOfNamesIsCorrectedByTheMapOption) {
   const Recording sound = recorded("elbow-6r", 38);
   ModelDescription d = arm_->description();
   for (int i = 0; i < 6; ++i) d.coordinates[static_cast<std::size_t>(i)].name = std::string(1, "cadbef"[i]);
@@ -436,7 +436,7 @@ TEST_F(ARobotFile, ShowsTheDirectionOfGravity) {
   EXPECT_EQ(findings(sound), Names{"gravity:0"}) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithOnePairOfUnitsIsMendedByIt) {
+TEST_F(AMistakenRecording, WithOnePairOfUnitsIsCorrectedByIt) {
   const Recording sound = recorded("elbow-6r", 25);
   Recording r = sound;
   r.q *= 180.0 / M_PI;
@@ -457,7 +457,7 @@ TEST_F(AMistakenRecording, WithOnePairOfUnitsIsMendedByIt) {
   EXPECT_NE(sentences_.find("--units q=0.01,dq=0.01 "), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithTwoMistakesIsMendedByBothOptions) {
+TEST_F(AMistakenRecording, WithTwoMistakesIsCorrectedByBothOptions) {
   Recording r = recorded("elbow-6r", 26);
   r.q *= 180.0 / M_PI;
   r.dq *= 180.0 / M_PI;
@@ -466,7 +466,7 @@ TEST_F(AMistakenRecording, WithTwoMistakesIsMendedByBothOptions) {
   EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s,tau2=-Nm mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithAnExchangedWristIsMendedByMap) {
+TEST_F(AMistakenRecording, WithAnExchangedWristIsCorrectedByTheMapOption) {
   Recording r = recorded("elbow-6r", 27);
   for (MatrixXd* values : {&r.q, &r.dq, &r.tau}) values->col(4).swap(values->col(5));
   EXPECT_EQ(findings(r), Names{"swapped_joints:5"}) << sentences_;
@@ -501,7 +501,7 @@ TEST_F(AMistakenRecording, ThatIsOnlyPartlyExplainedIsNotCorrected) {
 }
 
 // Efforts of drives whose gains nobody wrote down.
-TEST_F(AMistakenRecording, OfCurrentsWithoutGainsIsMendedByUnits) {
+TEST_F(AMistakenRecording, OfCurrentsWithoutGainsIsCorrectedByTheUnitsOption) {
   const double gains[] = {9.0, 10.0, 8.5, 3.0, 2.0, 2.5};
   Recording r = recorded("elbow-6r", 41);
   for (int i = 0; i < 6; ++i) r.tau.col(i) /= gains[i];
@@ -527,7 +527,7 @@ TEST_F(AMistakenRecording, WithNegatedVelocitiesIsNotReportedAsAnotherUnit) {
 }
 
 // The arm rests between its motions on closed brakes, without torques of its motors.
-TEST_F(AMistakenRecording, WithClosedBrakesIsMendedBySpeed) {
+TEST_F(AMistakenRecording, WithClosedBrakesIsCorrectedByTheMinSpeedOption) {
   const Recording sound = recorded("elbow-6r", 43);
   const int half = sound.rows() / 2, pause = 300;
   std::vector<int> rows;
@@ -544,7 +544,7 @@ TEST_F(AMistakenRecording, WithClosedBrakesIsMendedBySpeed) {
   EXPECT_NE(sentences_.find("--min-speed 0.01 mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithSizesOfOneTorqueIsNotMendedByItsSign) {
+TEST_F(AMistakenRecording, WithSizesOfOneTorqueIsNotCorrectedByItsSign) {
   Recording r = recorded("elbow-6r", 44);
   r.tau.col(1) = -r.tau.col(1).cwiseAbs();
   EXPECT_EQ(findings(r), Names{"no_sign:2"}) << sentences_;
@@ -620,7 +620,7 @@ TEST_F(AMistakenRecording, WithFilteredTorquesIsNamedWithTheCutOff) {
 }
 
 // An offset that steps, a load that is picked up, a sensor that fails: the rest of the recording is used.
-TEST_F(AMistakenRecording, InWhichSomethingChangesMidwayIsMendedByRows) {
+TEST_F(AMistakenRecording, InWhichSomethingChangesMidwayIsCorrectedByTheRowsOption) {
   const Recording sound = recorded("elbow-6r", 23);
   const int moment = 1240;  // of 2000 rows
   Recording stepped = sound, failed = sound, loaded = sound, late = sound;

@@ -554,8 +554,8 @@ TEST(AFault, ARecordingOfFewRowsIsReportedAsTooShort) {
   EXPECT_THROW(check_recording(Recording()), InvalidInput);
 }
 
-// Beyond the head, the tallies go on piece by piece and miss no seam.
-TEST(ALongRecording, IsCountedToItsEnd) {
+// Rows beyond the head are counted piece by piece; a fault at the boundary of two pieces is counted as well.
+TEST(ALongRecording, IsCheckedToItsEndAcrossPieceBoundaries) {
   const Recording part = clean_recording();
   const int copies = 50;
   Recording r;
@@ -582,8 +582,8 @@ TEST(ALongRecording, IsCountedToItsEnd) {
               1e-12);
 }
 
-// A step at any row around the end of the head (200,000 rows) is seen, and seen once.
-TEST(ALongRecording, HidesNoJumpAtASeam) {
+// A step at any row around the end of the head (200,000 rows) is detected exactly once.
+TEST(ALongRecording, HidesNoJumpAtAPieceBoundary) {
   Recording smooth;
   smooth.source = "long";
   smooth.time = VectorXd::LinSpaced(200100, 0.0, 200099 / kRate);

@@ -151,7 +151,7 @@ TEST(StaleRows, AWrongVelocityDoesNotDistortPositions) {
   }
 }
 
-TEST(StaleRows, AnArmAtRestLongFreezesAndGapsStayAsTheyAre) {
+TEST(StaleRows, RestLongFreezesAndGapsAreNotInterpolated) {
   Recording r = waves(800);
   r.dq.row(399).setZero();
   repeat(r, 400, 5);   // at rest, though not for long

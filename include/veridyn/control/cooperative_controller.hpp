@@ -74,7 +74,7 @@ struct TipTarget {
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] of x_d
   Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] of x_d
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
-  /// Part of position, velocity and acceleration by which the end yields while targets are held,
+  /// Part of position, velocity and acceleration by which the tip retreats while targets are held,
   /// for arms that otherwise hold their own position.
   TetherGuard::Motion relief{};
 };

@@ -82,7 +82,7 @@ class TetherGuard {
   };
   void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;
-  void hold_back(std::size_t member, const std::vector<char>& healthy, double force) noexcept;
+  void limit_end_accelerations(std::size_t member, const std::vector<char>& healthy, double force) noexcept;
 
   TetherGuardOptions options_;
   std::vector<Member> members_;

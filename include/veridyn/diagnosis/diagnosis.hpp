@@ -17,7 +17,7 @@ namespace veridyn {
 /// Treatment of dependences without a named cause.
 enum class UnnamedForces {
   kReported,  ///< reported as findings, outside the extended model
-  kKept,      ///< those that a force can have become tables (tabulated_force) of the extended model
+  kKept,      ///< curves that can act as a joint force are written to the extended model as tabulated_force
 };
 
 struct DiagnosisOptions {

@@ -49,7 +49,7 @@ struct ArmAlgorithms {
     L* rows;     ///< rows of 2 n columns
     L* inverse;  ///< n rows of n columns
     S* pairs;    ///< links x links, each column a whole number of groups
-    S* vector;   ///< as many entries as links or joints
+    S* vector;   ///< max(links, joints) entries
     S* matrix;   ///< n x n entries
   };
 

@@ -43,7 +43,7 @@ struct ChannelError {
 /// origin as in URDF, and the ratio of a coordinate in the frame's joint variable.
 enum class FrameNumber { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
 
-/// One number of one frame.
+/// A geometric constant of one frame: a DH parameter, a coordinate of its origin, or a gear ratio.
 struct FrameConstant {
   FrameIndex frame;
   FrameNumber number = FrameNumber::kA;

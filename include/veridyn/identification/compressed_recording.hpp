@@ -56,7 +56,7 @@ struct PredictionError {
                              ///< largest speed)
 };
 
-/// True or false for "the joint moves at a sample", for moving_relative.
+/// A sample at which the joint moves counts in PredictionError::moving_relative.
 enum class MovingSample { kNo, kYes };
 
 /// The sums from which PredictionError is computed; they add up over recordings.

@@ -13,9 +13,9 @@
 
 namespace veridyn {
 
-/// Joints that move by themselves, in one model: times grow with the third power of their number.
+/// Largest number of coordinates of a model; computation times grow with its cube.
 constexpr int kMostCoordinates = 500;
-/// Bodies of one model, those that are fixed to others included.
+/// Largest number of bodies of a model, including bodies that are fixed to others.
 constexpr int kMostBodies = 2000;
 
 /// A joint variable or the line along which an effect acts: s = c . q + s0.

@@ -219,7 +219,7 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
     const VectorXd off = (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs();
     report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point", i + 1, c.name,
                           1e3 * off.maxCoeff(), c.prismatic ? "mm" : "mrad");
-    if (!request.steps.empty()) {  // times at which the next joint begins
+    if (!request.steps.empty()) {  // the step of joint i ends where that of the next joint begins
       const Eigen::Index last = std::min(off.size(), (i + 1) * wanted.rows() / arm.joints()) - 1;
       report += fmt::format(", {:.3g} at the end of its step", 1e3 * off[last]);
     }

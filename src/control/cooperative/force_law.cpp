@@ -8,10 +8,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kCarried = 1.4;        // [kg] at the member, for which its damping is designed
+constexpr double kCarried = 1.4;        // [kg] mass at the member for which its damping is designed
 constexpr double kMostDamping = 120.0;  // [N s/m]
 constexpr double kCrossover = 30.0;     // [rad/s]
-constexpr double kReachForce = 20.0;    // [N] force range that the reach covers
+constexpr double kReachForce = 20.0;    // [N] force error that the largest displacement (ForceLaw::reach) can correct
 
 }  // namespace
 

@@ -98,7 +98,7 @@ void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
                                                length + options_.margin));
 }
 
-void TetherGuard::hold_back(std::size_t k, const std::vector<char>& healthy,
+void TetherGuard::limit_end_accelerations(std::size_t k, const std::vector<char>& healthy,
                             double force) noexcept {
   const auto from = static_cast<std::size_t>(members_[k].from);
   const auto to = static_cast<std::size_t>(members_[k].to);
@@ -131,7 +131,7 @@ void TetherGuard::update(const std::vector<Vector3d>& position, const std::vecto
   update_positions(position);
   for (Motion& motion : motions_) motion.acceleration = -motion.velocity / options_.rest;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    hold_back(k, healthy, force);
+    limit_end_accelerations(k, healthy, force);
   const double dt = options_.period;
   for (Motion& motion : motions_) {
     const double size = motion.acceleration.norm();

@@ -144,7 +144,7 @@ Base prior_base(const Rows& rows, const Model& model) {
           level = std::max(level, std::abs(parameters[other].value));
       }
     }
-    days.emplace_back(find(static_cast<int>(p)), kDay * level);
+    days.emplace_back(find(static_cast<int>(p)), kDailyFrictionDeviation * level);
   }
   if (of.empty()) of.push_back(0);  // a file without statistics and friction: one direction that stays at zero
   const auto count = static_cast<Eigen::Index>(of.size());

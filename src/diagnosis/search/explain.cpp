@@ -59,7 +59,7 @@ class Explanation {
     request.threads = x_.options.identification.threads;
     request.progress = x_.options.testing;
     found_ = search(*x_.start.model, request);
-    d_.hypotheses = found_.asked;
+    d_.hypotheses = found_.tested_terms;
     d_.remarks = x_.remarks;
     weigh_rows();
     add_findings();
@@ -251,7 +251,7 @@ class Explanation {
 
   void add_the_rest() {
     std::set<std::string> unseen;
-    for (const Refused& r : found_.refused) {
+    for (const Rejected& r : found_.rejected) {
       const bool is_found = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&r](const Chosen& c) { return same_place(c.term, r.term); });
       if (is_found) continue;  // there may be several memories
       if (r.collinear) {
@@ -336,8 +336,8 @@ class Explanation {
     if (d_.changes && known && known->error.size() > j) v.floor = std::max(v.floor, std::min(other, known->error[j]));
     // A vibration is no floor, nor is a part that signals predict but that the tested causes exclude.
     const std::optional<Vibration> vibration = vibration_of(d_.extended, j, x_.options.thresholds);
-    const double unasked = found_.unasked.size() > j ? found_.unasked[j] : -1.0;
-    const double predicted = std::max(vibration && !unnamed ? vibration->share : 0.0, unasked);
+    const double untested_share = found_.untested_share.size() > j ? found_.untested_share[j] : -1.0;
+    const double predicted = std::max(vibration && !unnamed ? vibration->share : 0.0, untested_share);
     if (predicted > 0.0 && v.left * std::sqrt(1.0 - predicted) < v.floor) {
       v.floor = v.left * std::sqrt(1.0 - predicted);
       v.source = FloorSource::kRegression;
@@ -353,7 +353,7 @@ class Explanation {
     if (named && v.extended < v.held_out && (mostly || (at_floor && !unnamed))) v.state = JointState::kNamed;
     else if (unnamed) v.state = JointState::kUnnamed;
     else if (named) v.state = JointState::kNamed;
-    else if (v.held_out <= kAtFloor * v.floor && unasked < 0.0) v.state = JointState::kAtFloor;
+    else if (v.held_out <= kAtFloor * v.floor && untested_share < 0.0) v.state = JointState::kAtFloor;
     else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // causes on other joints biased its parameters
     else {
       v.state = JointState::kCannotTell;
@@ -363,7 +363,7 @@ class Explanation {
       else if (differs || is_unlike)
         v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
                             numerics::kPercent * trained[j], numerics::kPercent * v.extended);
-      else v.why = words_of_steps(j) + why_not(unasked, repeats);
+      else v.why = words_of_steps(j) + why_not(untested_share, repeats);
     }
     return v;
   }
@@ -383,9 +383,9 @@ class Explanation {
     return "";
   }
 
-  static std::string why_not(double unasked, bool repeats) {
-    if (unasked >= 0.0)
-      return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over", numerics::kPercent * unasked);
+  static std::string why_not(double untested_share, bool repeats) {
+    if (untested_share >= 0.0)
+      return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over", numerics::kPercent * untested_share);
     return repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"
                    : "what the findings leave over is no function of one or two signals of the recordings";
   }

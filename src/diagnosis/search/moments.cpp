@@ -72,7 +72,7 @@ class OneRecording {
     }
     const auto is_pushed = [&](std::ptrdiff_t row) {
       for (int j = 0; j < rows_.joints(); ++j) {
-        if (height[j] >= kPeak * scale_[j] && std::abs(residual_(own_[row], j)) >= kHalf * height[j]) return true;
+        if (height[j] >= kPeak * scale_[j] && std::abs(residual_(own_[row], j)) >= 0.5 * height[j]) return true;
       }
       return false;
     };
@@ -81,7 +81,7 @@ class OneRecording {
     return {first, end};
   }
 
-  // A contact without a joint with a large enough residual has a peak of zero.
+  // The contact between two rows; its peak stays zero if no joint's residual is large enough.
   Contact contact(std::ptrdiff_t first, std::ptrdiff_t end) const {
     const int n = rows_.joints();
     Contact c;

@@ -34,7 +34,7 @@ struct Folds {
   std::vector<int> of_row;    ///< fold of every row, in order of time; -1: the row is next to a border and left out
   std::vector<int> block;     ///< block of every row
   int blocks = 0;
-  double errors = 0.0;        ///< a gain must exceed this many standard errors over blocks
+  double errors = 0.0;        ///< gain of a term >= errors * its standard error over blocks
 };
 
 /// A column whose coefficient, added to the arm's own value, cannot be negative: friction levels.
@@ -46,7 +46,7 @@ struct Level {
 /// The rows of recordings for one arm, filtered and decimated as in an identification.
 class Rows {
  public:
-  /// @param arm  with values; these may be physically impossible.
+  /// @param arm  an arm with values, which may be physically impossible.
   Rows(const Model& arm, const std::vector<std::string>& recordings, const PreprocessingOptions& how, int threads = 1);
 
   const Model& arm() const { return arm_; }
@@ -54,7 +54,7 @@ class Rows {
   Eigen::Index rows() const { return rows_; }
   const std::vector<Stretch>& stretches() const { return stretches_; }
   const std::vector<double>& time() const { return time_; }            ///< [s] since the recording began
-  const std::vector<size_t>& recording() const { return recording_; }  ///< of every row
+  const std::vector<size_t>& recording() const { return recording_; }  ///< index of the recording of every row
   const TorqueRegressor& bodies() const { return bodies_; }
   const VectorXd& phi() const { return phi_; }  ///< inertial parameters of all bodies
   const std::vector<std::string>& names() const { return names_; }

@@ -13,7 +13,7 @@
 namespace veridyn::search {
 namespace {
 
-// Squared residuals of the rows that count.
+// Squared residuals of the rows that are used.
 Eigen::ArrayXd squares_of(const VectorXd& r, const VectorXd& used) {
   return used.array() * r.array().square();
 }
@@ -310,7 +310,7 @@ Sums all_folds(const Cross& c) {
 
 }  // namespace
 
-// Further columns next to those that are factored already.
+// The columns of a further term, eliminated next to a factored subset.
 struct Round::Bordered {
   MatrixXd half;            // L^-1 C
   Eigen::LDLT<MatrixXd> S;  // factor of their Schur complement
@@ -499,7 +499,7 @@ Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, co
     }
     return out;
   };
-  return gain_between(fitted(with), fitted(without), weight, kRepeated);
+  return gain_between(fitted(with), fitted(without), weight, kStandardErrorsWithTest);
 }
 
 Gain Round::gain(const Fitted& with, const Fitted& without) const {

@@ -11,7 +11,7 @@
 
 namespace veridyn::search {
 
-/// A term of a set.
+/// A chosen term as a round needs it: its columns, ridge and nonnegative levels.
 struct SetTerm {
   const Columns* columns;
   VectorXd ridge;
@@ -21,11 +21,11 @@ struct SetTerm {
 /// A fitted set of terms with its held-out errors.
 struct Fitted {
   MatrixXd residual;  ///< (rows x n) held out, in order of time; empty for a set with a further term
-  VectorXd scale;     ///< (n) of the Student-t loss
+  VectorXd scale;     ///< (n) scale of the Student-t loss
   MatrixXd loss;      ///< (blocks x n) sum of the loss over the rows of every block
-  double score = 0.0; ///< without the prices of terms
+  double score = 0.0; ///< score without the prices of terms
   VectorXd x;         ///< coefficients from all rows: directions of the base, then every chosen term, then the further one
-  double prior = 0.0;
+  double prior = 0.0; ///< part of the score that comes from the MODEL's prior
 };
 
 /// Gram matrices of one further term and the terms of a round.
@@ -55,15 +55,16 @@ struct Gain {
   double prior = 0.0;  ///< part of the sum that comes from the MODEL's prior
 };
 
-/// The same on rows to which no set was fitted.
+/// Gain on rows to which no set was fitted.
+/// @param with, without  (rows x n) residuals of both sets.
 /// @param weight  (n) independent samples of a row.
 Gain gain_on(const Rows& rows, const MatrixXd& with, const MatrixXd& without, const VectorXd& weight);
 
 /// Quantities that stay fixed while terms are added, polished and exchanged: weights of the Student-t loss,
-/// and scale and number of independent samples of every joint, computed from the present set.
+/// and scale and number of independent samples of every joint, computed from the current set.
 class Round {
  public:
-  /// @param weights  (rows x n) of the previous round, or empty; updated.
+  /// @param weights  (rows x n) weights of the previous round, or empty; they are updated.
   Round(const Rows& rows, const Folds& folds, const Base& base, const std::vector<SetTerm>& chosen, MatrixXd& weights);
 
   const VectorXd& scale() const { return scale_; }
@@ -72,7 +73,7 @@ class Round {
   VectorXd samples_of_row() const { return samples_.cwiseQuotient(rows_of_.cwiseMax(1.0)); }
   const MatrixXd& weights() const { return weights_; }
 
-  /// Base and all chosen terms, and their fit.
+  /// The base with all chosen terms, and the fit of both.
   const Subset& whole() const { return whole_; }
   const Fitted& fit() const { return fit_; }
   Subset subset(const std::vector<int>& chosen) const;
@@ -104,12 +105,12 @@ class Round {
   const Folds& folds_;
   Eigen::Index base_ = 0;
   bool prior_ = false;
-  std::vector<Eigen::Index> order_, begin_;  // rows sorted by fold; first row of every fold, then the number of rows
-  std::vector<int> block_;                   // of the sorted rows
+  std::vector<Eigen::Index> order_, begin_;  // rows sorted by fold; first sorted row of every fold, then the number of rows
+  std::vector<int> block_;                   // block of every row, in the order of order_
   std::vector<std::vector<int>> acting_;     // for each joint, the columns with a torque on it
-  std::vector<MatrixXd> X_;                  // for each joint, these columns in sorted rows
+  std::vector<MatrixXd> X_;                  // for each joint, these columns in the order of order_
   std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;  // first column and number of columns of every chosen term
-  MatrixXd y_, used_, a_, weights_;          // sorted
+  MatrixXd y_, used_, a_, weights_;          // rows in the order of order_
   MatrixXd bounds_;    // (bounds x columns): value + row . x >= 0
   VectorXd value_;
   VectorXd ridge_, scale_, samples_, rows_of_, floor_;

@@ -15,9 +15,9 @@ struct Chosen {
   Term term;
   Columns columns;
   VectorXd ridge;
-  std::vector<double> offset;                 ///< present value of a linearised term in the arm
-  std::optional<Eigen::Vector3d> gravity;     ///< present gravity of the arm, for a direction of gravity
-  double gain = 0.0, error = 0.0;             ///< next to all other terms, without the price
+  std::vector<double> offset;                 ///< value of a linearised term that the arm contains already
+  std::optional<Eigen::Vector3d> gravity;     ///< gravity of the corrected arm, for a direction of gravity
+  double gain = 0.0, error = 0.0;             ///< gain next to all other terms and its standard error, without the price
   VectorXd of_joint;                          ///< (n) the gain on every joint
   VectorXd values, deviations;                ///< values of its columns; those of a linearised term include its offset
   MatrixXd covariance;                        ///< covariance of its values
@@ -32,7 +32,7 @@ struct Chosen {
 };
 
 /// A tested term that was not chosen.
-struct Refused {
+struct Rejected {
   Term term;
   double gain = 0.0, error = 0.0;
   bool impossible = false;
@@ -54,10 +54,10 @@ struct SearchResult {
   std::shared_ptr<const Rows> test;   ///< rows of the held-out recordings, null if there are none
   MatrixXd test_residual;             ///< (rows x n) with all terms
   /// (n) share of the mean square that curves predict if not all causes are tested; -1: no curve predicts
-  /// any. Empty: all are tested.
-  VectorXd unasked;
-  std::vector<Refused> refused;
-  int asked = 0;
+  /// any. Empty: all causes are tested.
+  VectorXd untested_share;
+  std::vector<Rejected> rejected;
+  int tested_terms = 0;
   int degrees_of_freedom = 1;
 };
 

@@ -64,7 +64,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
     add(0, shape.curve.size(), out);
     return out;
   }
-  // For joints of two other signals one `from` is not sufficient.
+  // A table has one `from` axis: signals of two different other joints cannot be stored.
   if (of[0].joint != joint.value && of[1].joint != joint.value && of[0].joint != of[1].joint) return {};
   size_t row = 1;
   while (row < shape.curve.size() && shape.curve[row].at[1] == shape.curve.front().at[1]) ++row;

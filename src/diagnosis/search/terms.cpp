@@ -43,7 +43,7 @@ double odds_of(const Effect& effect) {
   const std::vector<EffectShape> shapes = effect.shapes();
   const bool waves = std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.scale == ShapeScale::kWaves; });
   const bool seldom = traits.depends_on_time || traits.uses_source || waves || traits.role == EffectRole::kArm || !traits.forward_simulable || effect.parameters().size() > 2;
-  return seldom ? kSeldom : 0.0;
+  return seldom ? kPriceOfSeldom : 0.0;
 }
 
 class Builder {
@@ -106,7 +106,7 @@ class Builder {
     t.cause = c.cause;
     t.joint = c.joint;
     t.place = to_text(arm_, c.cause) + (c.from ? " from " + std::to_string(c.from->value) : "") + axis_text(arm_, c.axis) +
-              (is_other_constant(c) ? " other" : "");
+              (is_changed_constant(c) ? " other" : "");
     if (is_load(c)) {
       t.kind = TermKind::kLoad;
       t.joint.reset();
@@ -132,7 +132,7 @@ class Builder {
       out_.push_back(std::move(t));
       return;
     }
-    if (is_change(c)) {
+    if (is_changed_effect(c)) {
       t.kind = TermKind::kChange;
       t.effect = arm_.effects()[c.own->value];
     }
@@ -141,7 +141,7 @@ class Builder {
       if (parameters[p].sign == ParameterSign::kNonnegative)
         t.nonnegative.push_back({static_cast<Eigen::Index>(p), own == t.effect.values.end() ? 0.0 : std::max(own->second, 0.0)});
     }
-    if (is_change(c)) {
+    if (is_changed_effect(c)) {
       out_.push_back(std::move(t));
       return;
     }
@@ -149,7 +149,7 @@ class Builder {
     const EffectTraits traits = effect.traits();
     t.with_rest = scope_.changes && traits.affine && traits.holds_at_rest && (traits.uses_position || traits.uses_source);
     const AxisMotion motion = motion_along(c.axis);
-    if (is_other_constant(c)) return;
+    if (is_changed_constant(c)) return;
     for (const ShapeChoice& choice : effect.grid(motion)) {
       Term one = t;
       one.effect.values = choice;
@@ -178,7 +178,7 @@ class Builder {
       std::vector<double>& all = values[shape.name];
       std::sort(all.begin(), all.end());
       all.erase(std::unique(all.begin(), all.end()), all.end());
-      TermShape one{shape.name, shape.lower, shape.upper, shape.logarithmic, shape.logarithmic ? 2.0 : kQuarter * (shape.upper - shape.lower), false};
+      TermShape one{shape.name, shape.lower, shape.upper, shape.logarithmic, shape.logarithmic ? 2.0 : kQuarterOfRange * (shape.upper - shape.lower), false};
       const auto at = std::lower_bound(all.begin(), all.end(), value->second);
       const double next = at + 1 < all.end() ? *(at + 1) : at > all.begin() ? *(at - 1) : value->second;
       if (next != value->second && next != 0.0 && value->second != 0.0) {

@@ -41,27 +41,28 @@ struct Signal {
   double low = 0.0, high = 0.0;  ///< range in the recordings
 };
 
-/// One entry of the dictionary: a place, columns, perhaps a shape, and its prior cost.
+/// One entry of the dictionary: a cause at a place (a joint, a frame or the whole arm), its shape constants and its price.
+/// A curve has signals in place of a cause.
 struct Term {
   TermKind kind = TermKind::kEffect;
-  Candidate candidate;       ///< of all terms but constants and curves
+  Candidate candidate;       ///< set for all terms but constants and curves
   Cause cause;
   std::optional<JointIndex> joint;  ///< joint on which it acts; empty if it acts on several
   std::string place;         ///< cause as text: terms with the same place differ in their shapes only
-  EffectTerm effect;         ///< with its shapes
+  EffectTerm effect;         ///< effect with its shape constants as values
   std::vector<TermShape> shapes;
   std::optional<FrameConstant> constant;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centre of a load, about which its inertia is that of a point
-  double mass = 0.0;         ///< of that load [kg]; 0: not known yet
+  double mass = 0.0;         ///< [kg] mass of that load; 0: not fitted yet
   std::vector<Signal> signals;
   std::vector<SmoothBasis> bases;
   double price = 0.0;        ///< ln 1/prior, with the prices of its grid and of its polished constants
-  bool with_rest = false;    ///< has one parameter more: the position at which it is without load
-  bool imitates = false;     ///< imitates many other causes, see Effect::imitates_others()
+  bool with_rest = false;    ///< the term has one more parameter, the position at which a spring has no torque
+  bool imitates = false;     ///< the term can imitate many other causes, see Effect::imitates_others()
   std::vector<Level> nonnegative;  ///< parameters that cannot be negative
   VectorXd largest;          ///< largest plausible size of each parameter; empty: unlimited
 
-  /// True if its columns are derivatives for the present arm.
+  /// True if its columns are derivatives at the current arm.
   bool is_linearised() const { return kind == TermKind::kChannel || kind == TermKind::kConstant; }
 };
 
@@ -91,7 +92,7 @@ std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std:
 /// at a centre, then the inertia beyond that.
 Eigen::Matrix<double, 10, 10> load_parameters(const Eigen::Vector3d& centre);
 
-/// Columns at the rows, for the term's shapes and the present arm.
+/// Columns of a term at the rows, for its shape constants and the arm of the rows.
 Columns columns_of(const Term& term, const Rows& rows);
 
 /// The arm after a step of a linearised term.

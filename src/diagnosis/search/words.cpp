@@ -39,7 +39,7 @@ void describe_load(const Chosen& c, double t, Finding& f) {
   // added or removed.
   double half = 0.0, moment = 0.0;
   for (int k = 0; k < 3; ++k) {
-    if (c.deviations[1 + k] < kSeen * kMassOfArm * kReach) {
+    if (c.deviations[1 + k] < kDeterminedShare * kMassOfArm * kReach) {
       half = std::hypot(half, t * c.deviations[1 + k]);
       moment = std::hypot(moment, z[1 + k]);
     }

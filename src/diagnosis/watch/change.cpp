@@ -273,7 +273,7 @@ void ChangeFinder::isolate(double now, bool last) {
     return;
   }
   const bool late = last || now - change_->alarm >= options_.longest_naming;
-  const bool explained = is_explained(best);
+  const bool explained = explains_change(best);
   if (late && !explained) {
     report_push(lasting.gain > 0.0 ? lasting : push(now, 0.0, 0.0), now);
     return;
@@ -286,13 +286,13 @@ void ChangeFinder::isolate(double now, bool last) {
 }
 
 // The score without the step of the change, which mixes both states.
-Score ChangeFinder::settled(const Score& score) const {
+Score ChangeFinder::score_after_transient(const Score& score) const {
   return reestimated(change_->steps, score, numbers_.mixed * options_.step, numbers_);
 }
 
-// True if little is left of the innovations since the onset, and the size differs from zero.
-bool ChangeFinder::is_explained(const Score& score) const {
-  const Score fit = settled(score);
+// True if the cause leaves little of the innovations since the onset, and its size differs from zero.
+bool ChangeFinder::explains_change(const Score& score) const {
+  const Score fit = score_after_transient(score);
   if (fit.size.size() == 0 || std::abs(fit.size[0]) <= half_width(fit)) return false;
   double before = 0.0, after = 0.0;
   const std::deque<WhiteStep>& steps = change_->steps;  // the first ones may be of another day, with later times
@@ -355,7 +355,7 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
 
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   Change& c = *change_;
-  c.score = settled(scores.front());
+  c.score = score_after_transient(scores.front());
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);
@@ -400,7 +400,7 @@ void ChangeFinder::refine(double now) {
   if (withdraw_name(now)) return;
   Change& c = *change_;
   compensate(c.score, -1.0);
-  c.score = settled(c.score);
+  c.score = score_after_transient(c.score);
   compensate(c.score, 1.0);
   if (now - *c.named >= options_.refine) close(now, true);
 }

@@ -58,8 +58,8 @@ class ChangeFinder {
   double price() const;
   double odds() const { return quantiles_.dispersion() * numbers_.odds; }
   bool is_suspected() const { return change_ && !change_->named; }
-  Score settled(const Score& score) const;
-  bool is_explained(const Score& score) const;
+  Score score_after_transient(const Score& score) const;
+  bool explains_change(const Score& score) const;
   double half_width(const Score& score) const;
   double own_value(const Hypothesis& one) const;
   double quantile() const;

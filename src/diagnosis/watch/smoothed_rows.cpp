@@ -74,9 +74,9 @@ bool SmoothedRows::moved() const {
 }
 
 void SmoothedRows::mark_unusable(double time, const std::string& why) {
-  heard_ = time;
-  if (!heard_any_) usable_ = time;  // unusable from the first row on
-  heard_any_ = true;
+  last_row_time_ = time;
+  if (!has_row_) usable_ = time;  // unusable from the first row on
+  has_row_ = true;
   if (is_blind_ || time - usable_ <= numbers_.pause) return;
   is_blind_ = true;
   if (on_blind && !was_blind_) on_blind({usable_, time, why});
@@ -111,7 +111,7 @@ void SmoothedRows::restart_clock(double time, double before) {
   held_.set_back(by);
   path_time_ -= by;
   back_ = 0;
-  usable_ = heard_ = time;
+  usable_ = last_row_time_ = time;
   restart();
 }
 
@@ -120,8 +120,8 @@ void SmoothedRows::mark_usable(double time) {
     blind_ += time - usable_;
     is_blind_ = false;
   }
-  usable_ = heard_ = time;
-  heard_any_ = true;
+  usable_ = last_row_time_ = time;
+  has_row_ = true;
 }
 
 void SmoothedRows::copy_row(const Recording& rows, int k, Row& row) const {

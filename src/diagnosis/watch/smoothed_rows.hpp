@@ -61,7 +61,7 @@ class SmoothedRows {
   std::function<void(const SmoothedRow&)> on_row;
   std::function<void(const PositionJump&)> on_jump;
   std::function<void(const Blindness&)> on_blind;
-  std::function<void()> on_break;  ///< after a pause; the next row is not contiguous
+  std::function<void()> on_break;  ///< called after a pause: the next row is not contiguous
 
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, no
   /// velocities after rows with them.
@@ -69,17 +69,17 @@ class SmoothedRows {
   void add(const Recording& rows);
   double dt() const { return dt_; }
   double spacing() const { return spacing_; }  ///< [s] between new values of the slowest signal
-  double last_row_time() const { return heard_; }  ///< [s] of the last row, usable or not
-  double blind() const { return blind_ + (is_blind_ ? heard_ - usable_ : 0.0); }
+  double last_row_time() const { return last_row_time_; }  ///< [s] of the last row, usable or not
+  double blind() const { return blind_ + (is_blind_ ? last_row_time_ - usable_ : 0.0); }
 
-  /// Times of the rows are those of this clock from now on; all that is reported has true times.
+  /// The times of further rows are those of this clock; all reports have true times.
   void set_clock(const RowClock& clock) { clock_ = clock; }
 
   /// Enables the detection of jumps, once the noise of positions is known.
   void enable_jump_detection() { detects_jumps_ = true; }
 
-  /// Reports what waits for more rows, at the end.
-  void finish() { report_jumps(heard_); }
+  /// Reports the remaining jumps, after the last row.
+  void finish() { report_jumps(last_row_time_); }
 
  private:
   void copy_row(const Recording& rows, int k, Row& row) const;
@@ -97,8 +97,8 @@ class SmoothedRows {
   void put(const VectorXd& x);
   /// (n) motion over the last samples [rad], [m].
   struct Motion {
-    VectorXd moved;       ///< by the positions
-    VectorXd unexplained; ///< minus the integrated velocity
+    VectorXd moved;       ///< difference of the positions
+    VectorXd unexplained; ///< that difference minus the integrated velocity
     VectorXd way;         ///< integrated speed
   };
   Motion recent_motion() const;
@@ -119,26 +119,26 @@ class SmoothedRows {
   RowClock clock_;
   bool has_velocity_ = false, detects_jumps_ = false, sees_jumps_ = true;
   double dt_ = 0.0, spacing_ = 0.0;
-  std::deque<Row> start_;  // until the time step is known
+  std::deque<Row> start_;  // first rows, until the time step is known
   HeldSignals held_;
-  std::optional<Row> last_, resampled_;  // of those that came, and of those on whose grid points
-  long next_ = 0;                        // of the grid's points
+  std::optional<Row> last_, resampled_;  // last row that was received, and last row that was resampled
+  long next_ = 0;                        // index of the next point of the grid
   double first_t_ = 0.0;
   MatrixXd window_;           // (3 n x 2 half + 1) samples of the grid
-  Eigen::Index filled_ = 0;   // of them
-  Eigen::Index half_ = 0;     // of the smoothing window
+  Eigen::Index filled_ = 0;   // number of samples in the window
+  Eigen::Index half_ = 0;     // half width of the smoothing window
   Eigen::Index reach_ = 0;    // half width of the window for jumps
   MatrixXd kernel_;           // (2 half + 1 x 3) value, slope, curve at its middle
   VectorXd offset_;           // jumps found so far
   VectorXd spread2_;          // mean square of the jump statistic
-  VectorXd largest_;          // and its largest while quiet
+  VectorXd largest_;          // largest jump statistic without a jump
   VectorXd moved2_, excess_;  // (n) forgetting sums of squared motion, and of the share of it by which its velocity is too large
   VectorXd torque2_;          // (n) mean square of the torques of usable rows
-  long count_ = 0;            // of these rows
+  long count_ = 0;            // number of usable rows
   double seen_ = 0.0;
-  // Last usable row and last row of all [s].
-  double usable_ = 0.0, heard_ = 0.0, blind_ = 0.0;
-  bool heard_any_ = false, is_blind_ = false;
+  // [s] time of the last usable row, of the last row, and total time without usable rows
+  double usable_ = 0.0, last_row_time_ = 0.0, blind_ = 0.0;
+  bool has_row_ = false, is_blind_ = false;
   double placed_ = HUGE_VAL;  // [s] time of the last row that came to place()
   long back_ = 0;  // rows in a row whose time does not rise above the last one's
   double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise

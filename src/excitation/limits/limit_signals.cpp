@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kRoomOfSupervisor = 0.0025;  // share of a range that MotionCheck leaves at each end
+constexpr double kMarginOfSupervisor = 0.0025;  // share of a range that MotionCheck leaves at each end
 constexpr double kSizeOfGap = 0.1;      // [m] normalisation of gaps, as of boxes
 constexpr double kRoundedShare = 0.01;  // share of the largest speed, for signs in torques
 
@@ -40,9 +40,9 @@ LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
 void LimitSignals::add_stops(const MotionLimits& joints) {
   for (int i = 0; i < joints_; ++i) {
     const Coordinate& c = arm_.coordinates()[i];
-    const double room = kRoomOfSupervisor * (joints.upper[i] - joints.lower[i]);
-    signals_.push_back({text("stop of ", c.name), position_unit(c), joints.lower[i] + room,
-                        joints.upper[i] - room, joints.upper[i] - joints.lower[i]});
+    const double margin = kMarginOfSupervisor * (joints.upper[i] - joints.lower[i]);
+    signals_.push_back({text("stop of ", c.name), position_unit(c), joints.lower[i] + margin,
+                        joints.upper[i] - margin, joints.upper[i] - joints.lower[i]});
   }
 }
 
@@ -171,7 +171,7 @@ MatrixXd LimitSignals::torques(const MotionSamples& motion) const {
   return tau;
 }
 
-void LimitSignals::torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const {
+void LimitSignals::torque_derivatives(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const {
   const Eigen::Index n = motion.joints();
   MatrixXd rigid;
   bodies_->torque_derivatives(motion.q, motion.dq, motion.ddq, phi_, rigid);
@@ -219,7 +219,7 @@ std::vector<MatrixXd> LimitSignals::slopes(const MotionSamples& motion) const {
     out.back().col(i).setOnes();
     out.back().col(joints_ + i).setConstant(1.0 / braking_);
   }
-  if (!torque_joints_.empty()) torque_slopes(motion, out);
+  if (!torque_joints_.empty()) torque_derivatives(motion, out);
   const size_t first = out.size();
   for (size_t k = 0; k < geometric_count(); ++k) {
     out.push_back(MatrixXd::Zero(motion.rows(), 3 * motion.joints()));

@@ -54,7 +54,7 @@ class LimitSignals {
   void add_workspace(const Model& arm, const WorkspaceLimits& workspace);
   std::optional<FrameIndex> frame_index(const Model& arm, const std::string& name) const;
   MatrixXd torques(const MotionSamples& motion) const;
-  void torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const;
+  void torque_derivatives(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const;
   double geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
 
   // A geometric signal and the points that it measures.

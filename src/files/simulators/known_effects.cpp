@@ -44,7 +44,7 @@ bool is_nothing(const SimpleForce& f) {
 }
 
 // True for effects that simulators refuse; a fit without bounds can give such values.
-bool is_below_zero(const SimpleForce& f) {
+bool has_negative_value(const SimpleForce& f) {
   return f.stiffness < 0.0 || f.damping < 0.0 || f.inertia < 0.0 || f.friction < 0.0;
 }
 
@@ -90,7 +90,7 @@ KnownEffects known_effects(const Model& arm) {
       continue;
     }
     const SimpleForce force = simple_force(effect);
-    if (is_below_zero(force)) {
+    if (has_negative_value(force)) {
       out.left_out.push_back(term.effect + " on " + axis_text(arm, term.axis) + ", which is below zero");
       continue;
     }

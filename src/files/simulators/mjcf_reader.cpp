@@ -55,7 +55,7 @@ class MjcfReader : private MjcfElements {
     }
   }
 
-  std::string free_name(const std::string& wanted) {
+  std::string unique_name(const std::string& wanted) {
     std::string name = wanted;
     for (int k = 2; !names_.insert(name).second; ++k) name = wanted + "_" + std::to_string(k);
     return name;
@@ -91,7 +91,7 @@ class MjcfReader : private MjcfElements {
 
   void site(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T) {
     Frame frame;
-    frame.name = free_name(node.attribute("name").value());
+    frame.name = unique_name(node.attribute("name").value());
     frame.parent = parent;
     place(frame, {from_eigen(T), {0, 0, 1}, {0, 0, 0}});
     add_frame(std::move(frame), -1);
@@ -102,7 +102,7 @@ class MjcfReader : private MjcfElements {
     if (const pugi::xml_attribute a = node.attribute("gravcomp"); a && xml_.number(node, "gravcomp", a.value()) != 0.0)
       xml_.fail(node, "gravity compensation of a body (gravcomp)", "none: motors carry the weight");
     const std::string own = node.attribute("name").value();
-    const std::string name = free_name(own.empty() ? "body_" + std::to_string(model_.frames.size() + 1) : own);
+    const std::string name = unique_name(own.empty() ? "body_" + std::to_string(model_.frames.size() + 1) : own);
     Eigen::Isometry3d T_body_frame = Eigen::Isometry3d::Identity();
     for (const pugi::xml_node s : node.children("site")) {
       if (!own.empty() && is_body_site(s)) T_body_frame = pose(s);
@@ -115,7 +115,7 @@ class MjcfReader : private MjcfElements {
       Frame frame;
       frame.parent = parent;
       const int index = joint(joints[k], name, frame, T);
-      frame.name = last ? name : free_name(name + "__" + joints_[index].name);
+      frame.name = last ? name : unique_name(name + "__" + joints_[index].name);
       if (last) frame.B = frame.B * from_eigen(T_body_frame);
       parent = FrameIndex{static_cast<int>(model_.frames.size())};
       add_frame(std::move(frame), index);

@@ -96,7 +96,7 @@ class UpdatedSimulation {
   }
 
   // Effects on each coordinate's own axis; others are reported.
-  void effects(const std::function<bool(const std::string& joint, const char* value, double now)>& change, bool rotors) {
+  void update_effects(const std::function<bool(const std::string& joint, const char* value, double now)>& change, bool rotors) {
     const KnownEffects mine = known_effects(arm_);
     for (const std::string& one : mine.left_out) out_.left_out.push_back(one);
     const PlacedEffects now = placed_effects(mine.forces, arm_.joints());
@@ -210,7 +210,7 @@ class UpdatedMjcf : public UpdatedSimulation {
   UpdatedFile file() {
     update_inertials();
     bodies([this](const Frame& mine, const Frame&) { change_body(mine); }, [this](const Frame& mine) { return add_body(mine); });
-    effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, true);
+    update_effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, true);
     if (from_geoms_ && !written_.empty()) use_file_inertials();
     return finish();
   }
@@ -318,7 +318,7 @@ class UpdatedSdf : public UpdatedSimulation {
     update_inertials();
     bodies([this](const Frame& mine, const Frame&) { inertial(find("link", mine.name), *mine.body->phi); },
            [this](const Frame& mine) { return add_link(mine); });
-    effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, false);
+    update_effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, false);
     return finish();
   }
 

@@ -118,7 +118,7 @@ bool is_of_motion(const QualityFinding& finding) {
   return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
 }
 
-bool is_large(const PredictionError& e) { return e.relative.size() > 0 && e.relative.maxCoeff() > checking::kAskedAbove; }
+bool is_large(const PredictionError& e) { return e.relative.size() > 0 && e.relative.maxCoeff() > checking::kCheckAboveError; }
 
 }  // namespace
 

@@ -12,10 +12,10 @@ constexpr int kFewestRows = 300;
 /// have 4600.
 constexpr double kWorstCondition = 2e4;
 /// The misfit is the sum over the joints of ln(unexplained share of a joint's squared torque), so that a
-/// joint that fits badly in any case does not hide another one. Decrease of the misfit > kBetter: a
+/// joint that fits badly in any case does not hide another one. Decrease of the misfit > kMisfitDecrease: a
 /// hypothesis is accepted; this corresponds to one joint's share falling to 0.4 of its value. The same for the misfit of a fit
 /// to all rows, none of them held out.
-constexpr double kBetter = 0.9;
+constexpr double kMisfitDecrease = 0.9;
 /// Decrease of the misfit > kGainsBetter: efforts are currents. Drive gains differ little between joints, and
 /// so do the fits.
 constexpr double kGainsBetter = 0.3;
@@ -35,11 +35,11 @@ constexpr double kFrictionAboveRest = 0.3;
 /// relative increase of the rms misfit without friction > kFrictionSignificance: in the first seconds of a
 /// motion other parameters may absorb friction. Recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionSignificance = 0.25;
-/// A joint with negative friction adds kGivesEnergy > kBetter to the misfit.
-constexpr double kGivesEnergy = 1.5;
-/// unexplained share with the file's values < kTelling * that with fitted ones: the ratio of their torques to
+/// A joint with negative friction adds kNegativeFrictionCost > kMisfitDecrease to the misfit.
+constexpr double kNegativeFrictionCost = 1.5;
+/// unexplained share with the file's values < kFileTorquesUsable * that with fitted ones: the ratio of their torques to
 /// the recorded ones is used.
-constexpr double kTelling = 0.5;
+constexpr double kFileTorquesUsable = 0.5;
 /// |ln(ratio)| > ln(kTorqueFactor): the misfit increases by one for each further factor of this size, up to
 /// kMostOff, which a ratio of the wrong sign adds as well.
 constexpr double kTorqueFactor = 2.0, kMostOff = 3.0;
@@ -82,47 +82,47 @@ constexpr double kSecondDifference = 6.0;
 /// separated, if the joint also moves over a share < kWeakly of its range, so that larger motions are to be
 /// expected.
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
-/// remaining error < kLess * the error without the fit: the fit counts.
-constexpr double kLess = 0.98;
+/// remaining error < kFitCounts * the error without the fit: the fit counts.
+constexpr double kFitCounts = 0.98;
 /// torque > kBeyondEffort * the joint's largest effort: another unit would make it impossible.
 constexpr double kBeyondEffort = 3.0;
-/// remaining error with transformations < kMostOfIt * the error without them: a diagnosis applies them even
+/// remaining error with transformations < kClearImprovement * the error without them: a diagnosis applies them even
 /// though the model lacks something else.
-constexpr double kMostOfIt = 0.1;
+constexpr double kClearImprovement = 0.1;
 /// remaining error > kOutstanding * that of another recording of the command: the recording may have a
 /// mistake of its own.
 constexpr double kOutstanding = 3.0;
 /// remaining error > kUnexplained with any transformation: the torques do not belong to this arm's motion.
 constexpr double kUnexplained = 0.6;
-/// remaining error of one joint > kNothing while other joints are explained: its torque does not follow from
+/// remaining error of one joint > kUnexplainedJoint while other joints are explained: its torque does not follow from
 /// the motion.
-constexpr double kNothing = 0.95;
+constexpr double kUnexplainedJoint = 0.95;
 /// remaining error with a fitted direction of gravity <= kFittedNear, or kNearNoise times the noise:
 /// explained. Perfect recordings leave 0.6 %; a force on the tip of a planar arm leaves 1.3 %.
 constexpr double kFittedNear = 8e-3;
 /// rows >= kRowsOfAnArm (6 s at 200 Hz): a large error does not come from too few rows.
 constexpr int kRowsOfAnArm = 1200;
-/// remaining error of a joint < kSure: negative friction, or torques opposite to those of the file's values,
+/// remaining error of a joint < kSignCertain: negative friction, or torques opposite to those of the file's values,
 /// mean that its torque has the wrong sign.
-constexpr double kSure = 0.2;
-/// smallest absolute torque < kTouches * its rms: the recorded torque reaches zero without changing its sign,
+constexpr double kSignCertain = 0.2;
+/// smallest absolute torque < kReachesZero * its rms: the recorded torque reaches zero without changing its sign,
 /// so that its sign was lost; a torque that gravity keeps on one side does not reach zero.
-constexpr double kTouches = 0.01;
+constexpr double kReachesZero = 0.01;
 /// number of hypotheses that are extended in each round <= kBeam.
 constexpr int kBeam = 3;
 /// remaining error with a hypothesis < kFitted * that without it: required of hypotheses with fitted numbers
 /// or another arm as long as the arm does not fit, and of uncertain ones.
 constexpr double kFitted = 0.5;
-/// Cost of a wrong sign of a position minus that of a torque = kOfPosition: an arm that is its own mirror
+/// Cost of a wrong sign of a position minus that of a torque = kPositionSignCost: an arm that is its own mirror
 /// image fits both equally well.
-constexpr double kOfPosition = 0.3;
-/// Additional cost of a hypothesis with a fitted number = kOfNumber.
-constexpr double kOfNumber = 0.6;
-/// remaining error of a joint > kBadly: its columns may belong to another joint, or its zero may differ;
+constexpr double kPositionSignCost = 0.3;
+/// Additional cost of a hypothesis with a fitted number = kFittedNumberCost.
+constexpr double kFittedNumberCost = 0.6;
+/// remaining error of a joint > kPoorFit: its columns may belong to another joint, or its zero may differ;
 /// missing effects cause less.
-constexpr double kBadly = 0.04;
-/// relative error of some joint > kAskedAbove: the recordings of an identification are checked.
-constexpr double kAskedAbove = 0.08;
+constexpr double kPoorFit = 0.04;
+/// relative error of some joint > kCheckAboveError: the recordings of an identification are checked.
+constexpr double kCheckAboveError = 0.08;
 /// common factor of all torques > 1 / kBehindGear: measured in front of gears; the values of files are closer
 /// to the truth.
 constexpr double kBehindGear = 0.2;
@@ -137,10 +137,10 @@ constexpr double kDrift = 3.0;
 /// of kFactorStep.
 inline constexpr double kFilters[] = {0.053, 0.16, 0.53};
 constexpr double kFactorStep = 0.3;
-/// Number of moments at which something may have changed = kMoments - 1; cost of excluding rows = kOfRows, so
+/// Number of moments at which something may have changed = kMoments - 1; cost of excluding rows = kExcludedRowsCost, so
 /// that the longest part is kept among those that fit equally well.
 constexpr int kMoments = 16;
-constexpr double kOfRows = 3.0;
+constexpr double kExcludedRowsCost = 3.0;
 /// number of inverse iterations = kPowers; each divides the error by the ratio of two eigenvalues.
 constexpr int kPowers = 8;
 /// speeds of all joints < kAtRest [rad/s or m/s] for kLongRest [s]: the arm is at rest and may be held by its

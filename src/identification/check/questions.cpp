@@ -73,7 +73,7 @@ std::vector<char> rows_at_rest(const Recording& r) {
 
 // A hypothesis with a fitted number; neighbours() gives the same hypothesis with nearby numbers.
 RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<std::vector<RecordingQuestion>(double)> neighbours) {
-  q.price = checking::kOfNumber;
+  q.price = checking::kFittedNumberCost;
   q.first_distance = distance;
   q.neighbours = std::move(neighbours);
   return q;
@@ -162,7 +162,7 @@ RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
     }
   };
   q = numbered(std::move(q), 0.0, [](double) { return std::vector<RecordingQuestion>(); });
-  q.price += checking::kOfRows * static_cast<double>(after ? r.rows() - row : row) / static_cast<double>(r.rows());
+  q.price += checking::kExcludedRowsCost * static_cast<double>(after ? r.rows() - row : row) / static_cast<double>(r.rows());
   return q;
 }
 
@@ -210,7 +210,7 @@ class List {
  private:
   int joints() const { return arm_.joints(); }
   bool slides(int i) const { return joints_[i].prismatic; }
-  bool is_badly_explained(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kBadly; }
+  bool is_badly_explained(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kPoorFit; }
   std::string name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
   bool has_velocity() const { return r_.dq.size() > 0; }
 
@@ -233,8 +233,8 @@ class List {
     for (int i = 0; i < joints(); ++i) {
       if (moves_[i]) add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", reversed({torque_}, i));
       if (!is_badly_explained(i)) continue;
-      add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kOfPosition;
-      add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kOfPosition;
+      add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kPositionSignCost;
+      add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kPositionSignCost;
     }
     if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
@@ -332,7 +332,7 @@ class List {
       if (fit.ratios[i] * all[i] > 0.0) common.push_back(1.0 / (fit.ratios[i] * all[i]));
       if (joints() == 1 || !moves_[i] || !is_beyond(fit.alone[i], checking::kOwnFactor)) continue;
       RecordingQuestion& q = add("torque_unit", i + 1, fmt::format("The torque of {} fits with a factor of {:.4g}, as a wrong gain, a current or in front of a gear", name(i), fit.alone[i]), unit(i, fit.alone[i]));
-      q.price = checking::kOfNumber;
+      q.price = checking::kFittedNumberCost;
       q.is_cause = !is_far(fit.alone[i]);
     }
     all *= common.empty() ? 1.0 / largest : median(common);
@@ -347,7 +347,7 @@ class List {
       if (known) units = joined(units, unit(i, all[i]));
       gears += (i > 0 ? ", " : "") + (known ? fmt::format("{:.4g}", all[i]) : "?");
     }
-    add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kOfNumber * joints();
+    add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kFittedNumberCost * joints();
   }
 
   // Torques of an arm that brakes hold between its motions.
@@ -364,7 +364,7 @@ class List {
     };
   }
 
-  // Torques that lag or lead the motion. Errors below kBadly come from friction near rest on correct
+  // Torques that lag or lead the motion. Errors below kPoorFit come from friction near rest on correct
   // recordings, and are not tested.
   void clocks() {
     bool any = false;

@@ -217,7 +217,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
   for (int i = 0; i < n; ++i) Q.col(i).head(n) -= of_torque.transpose() * solved(of_torque.col(i));
   for (int i = 0; i < n; ++i) {
     out.alone[i] = 1.0 - Q.row(i).head(n).sum() / std::max(Q(i, i), 1e-300);
-    if (Q(i, i) > checking::kBadly * checking::kBadly) continue;
+    if (Q(i, i) > checking::kPoorFit * checking::kPoorFit) continue;
     out.alone[i] = out.ratios[i] != 0.0 ? 1.0 / out.ratios[i] : 1.0;
     Q.row(i).setZero();
     Q.col(i).setZero();
@@ -252,7 +252,7 @@ double QuickFitter::contradictions(const QuickFit& fit) const {
   for (Eigen::Index i = 0; i < fit.shares.size(); ++i) {
     const double rest = checking::kFrictionAboveRest * std::sqrt(fit.shares[i]);
     const bool gives = -fit.friction[i] > std::max(checking::kFrictionShare, rest) && fit.friction_significance[i] > checking::kFrictionSignificance;
-    out += gives ? checking::kGivesEnergy : 0.0;
+    out += gives ? checking::kNegativeFrictionCost : 0.0;
     if (fit.ratios[i] == 0.0) continue;
     const double off = fit.ratios[i] < 0.0 ? checking::kMostOff : std::abs(std::log(fit.ratios[i])) / std::log(checking::kTorqueFactor) - 1.0;
     out += std::clamp(off, 0.0, checking::kMostOff);
@@ -317,7 +317,7 @@ double QuickFitter::ratio(const MatrixXd& products, const std::vector<int>& colu
   if (H(0, 0) < 1e-300) return 0.0;
   const MatrixXd without = H.bottomRightCorner(H.rows() - 1, H.cols() - 1);
   const VectorXd x = solution(H);
-  return residual2(H, x) < checking::kTelling * residual2(without, solution(without)) ? x[0] : 0.0;
+  return residual2(H, x) < checking::kFileTorquesUsable * residual2(without, solution(without)) ? x[0] : 0.0;
 }
 
 // Adds the power that plain friction along an axis s = c . q dissipates, with constant torque and with torque

@@ -66,7 +66,7 @@ class RobotCheck {
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
       else if (whole) report_unexplained();
-      const bool mends = is_explained(best_) || best_.fit.left() < checking::kMostOfIt * before.left();
+      const bool mends = is_explained(best_) || best_.fit.left() < checking::kClearImprovement * before.left();
       const auto causes = std::remove_if(best_.set.begin(), best_.set.end(), [this](const RecordingQuestion& q) { return leaves_causes_ && q.is_cause; });
       if (causes != best_.set.end()) {
         best_.set.erase(causes, best_.set.end());
@@ -88,7 +88,7 @@ class RobotCheck {
   static bool helps(const Answer& answer, const QuickFit& before) {
     const QuickFit& after = answer.fit;
     const bool is_sure = std::all_of(answer.set.begin(), answer.set.end(), [&](const RecordingQuestion& q) {
-      return q.joint == 0 ? after.left() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSure;
+      return q.joint == 0 ? after.left() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSignCertain;
     });
     if (is_explained(answer)) return true;
     if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); }))
@@ -102,8 +102,8 @@ class RobotCheck {
     for (int i = 0; i < joints() && !is_explained(best_); ++i) {
       const double left = std::sqrt(before.shares[i]);
       const auto tau = recording_.tau.col(i).array();
-      const bool touches = tau.abs().minCoeff() < checking::kTouches * std::sqrt(tau.square().mean());
-      if (moves(i) && left > checking::kSure && touches && !((tau < 0.0).any() && (tau > 0.0).any()))
+      const bool touches = tau.abs().minCoeff() < checking::kReachesZero * std::sqrt(tau.square().mean());
+      if (moves(i) && left > checking::kSignCertain && touches && !((tau < 0.0).any() && (tau > 0.0).any()))
         add("no_sign", i + 1, left, text("The torque of ", joint(i), " has one sign in every row, and ", percent(left), " of it does not follow from the motion: a size without its sign?"));
     }
     return findings_.size() > known;
@@ -118,13 +118,13 @@ class RobotCheck {
     }
     for (int i = 0; i < joints(); ++i) {
       const double left = std::sqrt(best_.fit.shares[i]);
-      if (moves(i) && left > checking::kNothing && std::sqrt(best_.fit.fitted[i]) > checking::kUnexplained)
+      if (moves(i) && left > checking::kUnexplainedJoint && std::sqrt(best_.fit.fitted[i]) > checking::kUnexplained)
         add("unexplained", i + 1, left, text("Nothing of the torque of ", joint(i), " follows from its motion: a joint that nothing drives, or another signal in its column?"));
     }
   }
 
   static bool is_clear(const QuickFit& after, const QuickFit& before) {
-    return is_explained(after) || after.left() < checking::kMostOfIt * before.left();
+    return is_explained(after) || after.left() < checking::kClearImprovement * before.left();
   }
 
  private:
@@ -291,7 +291,7 @@ class RobotCheck {
       for (const Answer& parent : beam) {
         for (Answer& one : tried(parent, open_questions(parent))) {
           const RecordingQuestion& q = one.set.back();
-          const double needed = q.finding == "current" ? checking::kGainsBetter : checking::kBetter;
+          const double needed = q.finding == "current" ? checking::kGainsBetter : checking::kMisfitDecrease;
           one.score = parent.score + one.fit.misfit - parent.fit.misfit + needed + q.price;
           // The file's values do not hold under another convention, so that they cannot contradict it.
           if (q.finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
@@ -365,7 +365,7 @@ class RobotCheck {
     for (const Answer& other : others) {
       const RecordingQuestion& rival = other.set.back();
       const bool same = rival.what == q.what || other.set.size() != answer.set.size();
-      if (!same && q.excludes(rival) && other.score < answer.score + checking::kBetter)
+      if (!same && q.excludes(rival) && other.score < answer.score + checking::kMisfitDecrease)
         return "another exchange does nearly as well, so that none of them is sure";
     }
     for (const int k : {q.joint, q.second}) {
@@ -453,7 +453,7 @@ class RobotCheck {
   }
 
   static std::string reason_for(const RecordingQuestion& q, double left, double without) {
-    if (left < checking::kLess * without) return text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without));
+    if (left < checking::kFitCounts * without) return text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without));
     return q.finding == "torque_sign" ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
   }
 

@@ -40,7 +40,7 @@ void add_members(const FleetFit& fit, Fleet& fleet) {
   for (const FittedArm& f : fit.arms()) {
     FleetMember member{f.data.name, f.data.recordings, f.data.rows, f.values.head(f.independent.size()), {}, {}};
     for (Eigen::Index k = 0; k < member.own.size(); ++k)
-      if (f.independent[k] < fleets::numbers.telling) member.own[k] = kNaN;
+      if (f.independent[k] < fleets::numbers.least_independent_share) member.own[k] = kNaN;
     member.own.tail(fleet.joints).array() += 1.0;  // gains are stored as factors
     VectorXd torque2(fleet.joints);
     for (int i = 0; i < fleet.joints; ++i) torque2[i] = std::max(1e-300, f.data.joints[i].rhs_norm2());

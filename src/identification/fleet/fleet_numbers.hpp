@@ -19,8 +19,8 @@ struct FleetNumbers {
   /// degrees of freedom of robust deviations <= most_freedom: parameters of a fleet scatter with heavier tails than a
   /// normal distribution has.
   double most_freedom = 30.0;
-  /// share of a column's norm outside the span of the others < telling: its value is undetermined.
-  double telling = 1e-6;
+  /// share of a column's norm outside the span of the others < least_independent_share: its value is undetermined.
+  double least_independent_share = 1e-6;
   /// quantities of one kind < fewest_spreads: no prior of their spreads.
   int fewest_spreads = 4;
   /// degrees of freedom of that prior <= most_prior: the arms' own spread still counts.

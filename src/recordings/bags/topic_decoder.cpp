@@ -181,7 +181,7 @@ std::vector<RawField> TopicDecoder::fields() const {
   return out;
 }
 
-RawStream& TopicDecoder::stream() {
+RawStream& TopicDecoder::current_stream() {
   std::vector<std::string> key = names_;
   for (const Leaf& leaf : leaves_) key.push_back(std::to_string(leaf.numbers.size()));
   if (!streams_.empty() && key == key_) return streams_[current_];
@@ -200,7 +200,7 @@ RawStream& TopicDecoder::stream() {
 
 void TopicDecoder::store(std::int64_t recorded) {
   try {
-    RawStream& out = stream();
+    RawStream& out = current_stream();
     out.recorded.push_back(
         std::clamp(recorded, std::int64_t{0}, recordings::kLargestTime));
     out.stamped.push_back(stamp_);

@@ -44,7 +44,7 @@ class TopicDecoder : public ValueSink {
   int leaf_of(const std::string& path);
   void decode_json(std::string_view bytes);
   void store(std::int64_t recorded);
-  recordings::RawStream& stream();
+  recordings::RawStream& current_stream();
   std::vector<recordings::RawField> fields() const;
 
   Channel channel_;

@@ -14,7 +14,7 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 }  // namespace
 
 CsvLines::CsvLines(ByteStream bytes) : bytes_(std::move(bytes)) {
-  if (bytes_.unread().empty()) read_on();
+  if (bytes_.unread().empty()) read_more();
   require(!bytes_.unread().empty(), path(), ": found an empty file, expected a recording (CSV).");
   require(bytes_.unread().find('\0') == std::string_view::npos, path(),
           ": found binary data, expected text (CSV), or a whole bag, MCAP, .npz, .mat or HDF5 file.");
@@ -28,13 +28,13 @@ void CsvLines::skip_byte_order_mark() {
 
 void CsvLines::rewind() {
   bytes_.rewind();
-  if (bytes_.unread().empty()) read_on();
+  if (bytes_.unread().empty()) read_more();
   skip_byte_order_mark();
   number_ = 0;
   comment_.clear();
 }
 
-void CsvLines::read_on() {
+void CsvLines::read_more() {
   require(bytes_.unread().size() < kLongestLine, path(), ":", number_ + 1,
           ": found a line longer than 16 MiB, expected a recording (CSV).");
   const bool more = bytes_.read_on();
@@ -50,7 +50,7 @@ bool CsvLines::next_raw(std::string_view* line) {
     const bool whole = found != std::string_view::npos;
     if (!whole && !bytes_.at_end()) {
       searched = unread.size();
-      read_on();
+      read_more();
       continue;
     }
     if (unread.empty()) return false;

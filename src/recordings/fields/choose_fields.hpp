@@ -16,7 +16,7 @@ struct FieldPlace {
   int field;
 };
 
-constexpr int kSignalCount = 5;  ///< as kRecordingSignals
+constexpr int kSignalCount = 5;  ///< equals the size of kRecordingSignals
 
 /// Location of every signal of every joint in a file.
 struct ChosenFields {

@@ -54,7 +54,7 @@ bool is_share(const std::string& unit) {
 }
 
 // True for degrees where the joint is known to slide, and millimetres where it is known to turn.
-bool of_other_joints(const SignalChoice& choice, const std::string& unit, int joint) {
+bool is_unit_of_other_joint_type(const SignalChoice& choice, const std::string& unit, int joint) {
   if (joint < 1 || static_cast<std::size_t>(joint) > choice.joints.size()) return false;
   const std::string size = without_sign(unit);
   if (!choice.joints[joint - 1].prismatic) return starts_with(size, "mm");
@@ -144,7 +144,7 @@ std::string unit_of(const SignalChoice& choice, const std::string& signal, int j
 
 UnitScale scale_for(const SignalChoice& choice, const std::string& signal, int joint) {
   const std::string unit = unit_of(choice, signal, joint);
-  if (unit.empty() || of_other_joints(choice, unit, joint)) return {};
+  if (unit.empty() || is_unit_of_other_joint_type(choice, unit, joint)) return {};
   const bool known = joint >= 1 && static_cast<std::size_t>(joint) <= choice.joints.size();
   return unit_scale(signal, unit, known ? &choice.joints[joint - 1] : nullptr).value_or(UnitScale());
 }
@@ -181,7 +181,7 @@ void require_joints_of(const SignalChoice& choice, int joints, const std::string
             joints == 1 ? " joint." : " joints.");
     require(signal != "tau" || !is_current_unit(unit), "--units: found '", key, "=", unit,
             "', expected tau=", unit, ": currents of all joints.");
-    if (!of_other_joints(choice, unit, joint)) continue;
+    if (!is_unit_of_other_joint_type(choice, unit, joint)) continue;
     throw InvalidInput(text("--units: found '", key, "=", unit, "', but joint ", joint,
                             choice.joints[joint - 1].prismatic ? " slides, expected a unit of lengths." : " turns, expected a unit of angles."));
   }

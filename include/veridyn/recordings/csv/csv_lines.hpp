@@ -33,7 +33,7 @@ class CsvLines {
 
  private:
   bool next_raw(std::string_view* line);
-  void read_on();
+  void read_more();
   void skip_byte_order_mark();
 
   ByteStream bytes_;

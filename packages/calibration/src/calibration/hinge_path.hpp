@@ -19,7 +19,7 @@ struct HingePath {
   std::vector<Eigen::Matrix<double, 3, 2>> plane;
   Eigen::Isometry3d root;
   bool root_rests = true;
-  bool is_reference = false;  ///< all angles are zero, without unknowns of the frame
+  bool is_reference = false;  ///< True at the reference instant: all hinge angles are zero, and it has no unknowns of its own
   int local_size = 0;
   Eigen::Vector3d measured{0, 0, 0};
 

@@ -175,7 +175,7 @@ void constants(unsigned seeds) {
   fmt::print("beta alone is named in {} of {}\n", named, seeds);
 }
 
-void speed() {
+void print_speed() {
   const Model arm = read_model("kuka-lwr4");
   RandomNumbers random(3);
   const PoseCapture poses = captured_poses(arm, "link7", 10000, 0.9, 1e-4, 1e-3, 1,
@@ -196,6 +196,6 @@ int main(int argc, char** argv) {
   veridyn::centre(seeds);
   veridyn::hand_eye(seeds);
   veridyn::constants(std::min(seeds, 50U));
-  veridyn::speed();
+  veridyn::print_speed();
   return 0;
 }

@@ -152,10 +152,10 @@ void Experiment::make_controller() {
 }
 
 void Experiment::begin(const ScenarioPhase& phase) {
-  for (const ScenarioCommand& c : phase.commands) command(c);
+  for (const ScenarioCommand& c : phase.commands) execute(c);
 }
 
-bool Experiment::command(const ScenarioCommand& c) {
+bool Experiment::execute(const ScenarioCommand& c) {
   if (c.kind == ScenarioCommand::Kind::kRelease) {
     world_->detach(c.member);
     held_[c.member] = 0;
@@ -247,8 +247,8 @@ bool Experiment::step() {
   read_sensors();
   targets_ = control_->update(*input_);
   for (HeldObject& object : held_objects_) object.update(*control_, *input_, targets_);
-  // An impedance with less mass than its arm needs the force: without a sensor all arms hold their position.
-  // A target that its tip cannot follow comes to rest far from the arm.
+  // An impedance whose desired mass is below the arm's needs the measured force: without a sensor all arms hold
+  // their positions. They do so too when the target has stopped away from the tip.
   if (control_->sensor_failed() || control_->state() == CooperativeState::kTargetMissed) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }

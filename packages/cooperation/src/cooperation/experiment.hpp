@@ -18,8 +18,8 @@ class Experiment {
   Experiment(const Scenario& scenario, const std::string& engine);
 
   void begin(const ScenarioPhase& phase);
-  /// False if the controller refuses it.
-  bool command(const ScenarioCommand& c);
+  /// Executes a command; false if the controller refuses it.
+  bool execute(const ScenarioCommand& c);
   /// Advances by one control period. False if the engine failed.
   bool step();
   /// Stores the instant before the step as row k of the run.

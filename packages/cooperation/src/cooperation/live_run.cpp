@@ -41,7 +41,7 @@ class Live {
       : scenario_(scenario),
         lines_(lines),
         options_(options),
-        tell_(tell),
+        callbacks_(tell),
         experiment_(scenario, options.engine),
         plan_(plan_of(scenario)),
         period_(1.0 / scenario.control.rate) {}
@@ -95,7 +95,7 @@ class Live {
         act(command);
       } catch (const InvalidInput& error) {
         ++out_.refused;
-        if (tell_.refused) tell_.refused(error.what());
+        if (callbacks_.refused) callbacks_.refused(error.what());
       }
     }
   }
@@ -106,7 +106,7 @@ class Live {
     began_ = true;
     act(LiveStop{});
     out_.refused += dropped;
-    if (dropped > 0 && tell_.refused) tell_.refused(dropped_lines(dropped));
+    if (dropped > 0 && callbacks_.refused) callbacks_.refused(dropped_lines_message(dropped));
   }
 
   // Reason for which a command cannot be executed, as for arms on boards: it is then not begun.
@@ -139,10 +139,10 @@ class Live {
     jogs_ = false;
     if (std::holds_alternative<LiveStop>(command)) experiment_.stop();
     const auto* one = std::get_if<ScenarioCommand>(&command);
-    if (one == nullptr || experiment_.command(*one)) return;
+    if (one == nullptr || experiment_.execute(*one)) return;
     ++out_.refused;
-    if (tell_.refused)
-      tell_.refused(text("the controller ", describe(experiment_.controller().state()),
+    if (callbacks_.refused)
+      callbacks_.refused(text("the controller ", describe(experiment_.controller().state()),
                          " or is still turning: the command was not taken."));
   }
 
@@ -153,13 +153,13 @@ class Live {
     if (const std::string why = objection(LiveJog{velocity_}); !why.empty()) {
       jogs_ = false;
       experiment_.stop();
-      if (tell_.refused) tell_.refused(text("the jog ends: ", why, "."));
+      if (callbacks_.refused) callbacks_.refused(text("the jog ends: ", why, "."));
       return;
     }
     ScenarioCommand move;
     move.way = velocity_ * 0.5 * kJogAhead;
     move.over = kJogAhead;
-    experiment_.command(move);
+    experiment_.execute(move);
   }
 
   void watch() {
@@ -196,16 +196,16 @@ class Live {
   }
 
   void report_arms() {
-    if (!tell_.arms) return;
+    if (!callbacks_.arms) return;
     std::vector<LiveArm> arms;
     for (int k = 0; k < experiment_.arms(); ++k)
       arms.push_back({experiment_.world().q(k), experiment_.world().dq(k), experiment_.tau(k)});
-    tell_.arms(out_.time, arms);
+    callbacks_.arms(out_.time, arms);
   }
 
   void report_state() {
     report_arms();
-    if (!tell_.state) return;
+    if (!callbacks_.state) return;
     std::string line = fmt::format("t={:.3f} state=\"{}\"", out_.time,
                                    describe(experiment_.controller().state()));
     for (int k = 0; k < experiment_.arms(); ++k) {
@@ -216,13 +216,13 @@ class Live {
     for (std::size_t k = 0; k < scenario_.members.size(); ++k)
       line += fmt::format(" {}={:.3f}", scenario_.members[k].name,
                           experiment_.world().member(static_cast<int>(k)).tension);
-    tell_.state(line);
+    callbacks_.state(line);
   }
 
   const Scenario& scenario_;
   WaitingLines lines_;
   LiveOptions options_;
-  LiveReport tell_;
+  LiveReport callbacks_;
   Experiment experiment_;
   MotionPlan plan_;
   double period_;

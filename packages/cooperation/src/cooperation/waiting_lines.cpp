@@ -20,7 +20,7 @@ bool is_stop(const std::string& line) {
 
 }  // namespace
 
-std::string dropped_lines(int count) {
+std::string dropped_lines_message(int count) {
   return text("stopped: ", count, count == 1 ? " line" : " lines", " before it had not been carried out and ",
               count == 1 ? "is" : "are", " dropped.");
 }

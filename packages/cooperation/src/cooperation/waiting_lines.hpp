@@ -38,6 +38,6 @@ class WaitingLines {
 };
 
 /// Message about lines that a stop dropped.
-std::string dropped_lines(int count);
+std::string dropped_lines_message(int count);
 
 }  // namespace veridyn

@@ -98,7 +98,7 @@ TEST_F(WithoutFriction, TheLinearCycleMatchesTheSimulatedOne) {
     rise.member = 0;
     rise.amount = 5.0 + kStep;
     rise.over = 1e-6;
-    ASSERT_TRUE(stepped.command(rise));
+    ASSERT_TRUE(stepped.execute(rise));
     LoopSettings settings;
     settings.wanted = kStep;
     const std::vector<RestPoint> points = rest_points(s);

@@ -54,7 +54,7 @@ TEST(BoardCooperation, TwoArmsKeepTheForceInASpring) {
   EXPECT_NEAR(tip(tip.rows() - 1, 0) - tip(0, 0), 0.01, 2e-4);
 }
 
-TEST(BoardCooperation, ThreeArmsHoldATriangleAndUnloadOne) {
+TEST(BoardCooperation, ThreeArmsReduceTheForceOfOneMemberOfATriangle) {
   const BoardCooperationRun done = on_emulated_boards(board_example("three-psm-springs"));
   EXPECT_TRUE(done.met()) << done.report();
   EXPECT_EQ(done.power, OffState::kConfirmed);
@@ -63,8 +63,8 @@ TEST(BoardCooperation, ThreeArmsHoldATriangleAndUnloadOne) {
   EXPECT_LT(done.run.phases[2].largest_force_error(), 0.1);
 }
 
-// By the stepped clock nothing depends on the machine: two runs are the same to the last bit.
-TEST(BoardCooperation, TheSameRunTwiceIsTheSame) {
+// With the stepped clock no result depends on the speed of the machine.
+TEST(BoardCooperation, RunsAreReproducibleBitForBit) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].duration = 0.5;

@@ -40,9 +40,9 @@ class OnBoards : public testing::Test {
     if (thread_.joinable()) thread_.join();
   }
 
-  // Cycles until `done`, for at most 10 s. @returns whether it was.
+  // Runs cycles until done() is true, for at most 10 s. @returns false if it never was.
   template <typename Work>
-  static bool cycles(BoardArm& arm, Work done) {
+  static bool run_until(BoardArm& arm, Work done) {
     for (int k = 0; k < 10000; ++k) {
       const bool ends = arm.read() && done();
       arm.write();
@@ -64,18 +64,18 @@ class OnBoards : public testing::Test {
 TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
   BoardArm arm(options_);
   ASSERT_EQ(arm.joints(), 7);
-  ASSERT_TRUE(cycles(arm, [] { return true; }));
+  ASSERT_TRUE(run_until(arm, [] { return true; }));
   const VectorXd start = arm.q();
   EXPECT_FALSE(arm.powered());
   ASSERT_EQ(arm.power_on(), nullptr);
   EXPECT_TRUE(arm.powered());
   VectorXd tau = VectorXd::Zero(3);
-  ASSERT_TRUE(cycles(arm, [&] {
+  ASSERT_TRUE(run_until(arm, [&] {
     arm.set_torques(tau);
     return arm.ready();
   })) << (arm.fault() != nullptr ? arm.fault() : "no fault");
   tau[1] = 0.2;
-  EXPECT_TRUE(cycles(arm, [&] {
+  EXPECT_TRUE(run_until(arm, [&] {
     arm.set_torques(tau);
     return arm.q()[1] > start[1] + 0.05;
   }));
@@ -85,17 +85,17 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
   end();
   load_.q[4] += 0.03;
   begin();
-  ASSERT_TRUE(cycles(arm, [&] {
+  ASSERT_TRUE(run_until(arm, [&] {
     arm.set_torques(tau);
     return arm.q()[4] > start[4] + 0.02;
   }));
-  EXPECT_TRUE(cycles(arm, [&] {
+  EXPECT_TRUE(run_until(arm, [&] {
     arm.set_torques(tau);
     return arm.q()[4] < start[4] + 0.005;
   })) << arm.q()[4] - start[4];
   // Without further set_torques() there is no current, though power is on.
   int left = 20;
-  EXPECT_TRUE(cycles(arm, [&] { return --left == 0; }));
+  EXPECT_TRUE(run_until(arm, [&] { return --left == 0; }));
   EXPECT_LT(arm.tau().cwiseAbs().maxCoeff(), 0.02);
   EXPECT_TRUE(arm.shutdown());
   EXPECT_FALSE(arm.powered());
@@ -105,7 +105,7 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
 
 TEST_F(OnBoards, FaultsSwitchOffAndAreReported) {
   BoardArm arm(options_);
-  ASSERT_TRUE(cycles(arm, [] { return true; }));
+  ASSERT_TRUE(run_until(arm, [] { return true; }));
   ASSERT_EQ(arm.power_on(), nullptr);
   end();  // the boards are silent from here on
   for (int k = 0; k < 20; ++k) {

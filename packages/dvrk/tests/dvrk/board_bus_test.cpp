@@ -384,8 +384,8 @@ class Flood final : public DatagramLink {
   double now_ = 1.0;
 };
 
-// 64 are discarded before the request, 200 until the time is up, and as many as before after it.
-TEST(Exchange, AForeignFloodDoesNotExtendTheTimeout) {
+// 64 packets are discarded before the request, 200 until the timeout, and 64 after it.
+TEST(Exchange, AFloodOfForeignPacketsDoesNotExtendTheTimeout) {
   Flood link;
   FaultLog log;
   Exchange exchange(link, log);

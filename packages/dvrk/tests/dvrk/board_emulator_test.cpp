@@ -238,7 +238,8 @@ TEST(BoardEmulator, AnEmergencyStopRemovesAndRestoresTheVoltage) {
   EXPECT_FALSE(bench.emulator.board(1).amp_on(0));
   bench.emulator.chain.emergency_stop = false;
   for (int k = 0; k < 10; ++k) bench.keep_alive(0.01);
-  EXPECT_TRUE(bench.emulator.board(1).amp_on(0));  // what a client must guard against
+  // The amplifier switches on again by itself after an emergency stop: clients must disable it first.
+  EXPECT_TRUE(bench.emulator.board(1).amp_on(0));
 }
 
 TEST(BoardEmulator, OneOpenRelayRemovesTheVoltageOfAllBoards) {

@@ -69,10 +69,10 @@ TEST(LoopTiming, TheReasonOfAGapIsItsLargestPart) {
 TEST(LoopTiming, TheRateIsTheNumberOfCyclesOverTime) {
   LoopTiming timing;
   timing.rate = 1500.0;
-  EXPECT_EQ(timing.reached(), 1500.0);
+  EXPECT_EQ(timing.measured_rate(), 1500.0);
   timing.cycles = 300;
   timing.seconds = 0.25;
-  EXPECT_EQ(timing.reached(), 1200.0);
+  EXPECT_EQ(timing.measured_rate(), 1200.0);
 }
 
 }  // namespace

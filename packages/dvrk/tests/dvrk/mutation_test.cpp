@@ -37,7 +37,7 @@ class GuardedBuffer {
   GuardedBuffer& operator=(const GuardedBuffer&) = delete;
 
   // The bytes, ending where the forbidden page begins.
-  ByteView hold(const std::uint8_t* bytes, size_t size) {
+  ByteView place_before_guard_page(const std::uint8_t* bytes, size_t size) {
     std::uint8_t* at = begin_ + room_ - size;
     std::memcpy(at, bytes, size);
     return {at, size};
@@ -53,7 +53,7 @@ TEST(MutatedDatagrams, AreDecodedWithinBoundsAndConsistently) {
   Mutator mutator(19);
   for (long k = 0; k < 2000000; ++k) {
     const std::vector<std::uint8_t>& bytes = mutator.next();
-    const char* wrong = probe_packet(buffer.hold(bytes.data(), bytes.size()));
+    const char* wrong = probe_packet(buffer.place_before_guard_page(bytes.data(), bytes.size()));
     ASSERT_EQ(wrong, nullptr) << wrong << ", mutation " << k << ": "
                               << hex_of({bytes.data(), bytes.size()});
   }
@@ -64,7 +64,7 @@ TEST(MutatedDatagrams, EveryPrefixOfEveryVectorIsSafe) {
   for (const Vector& v : vectors()) {
     const std::vector<std::uint8_t> bytes = bytes_of(v.hex);
     for (size_t size = 0; size <= bytes.size(); ++size)
-      EXPECT_EQ(probe_packet(buffer.hold(bytes.data(), size)), nullptr);
+      EXPECT_EQ(probe_packet(buffer.place_before_guard_page(bytes.data(), size)), nullptr);
   }
 }
 
@@ -81,7 +81,7 @@ TEST(MutatedDatagrams, DoNotCrashTheEmulator) {
     const std::vector<std::uint8_t>& bytes = mutator.next();
     now += 1000;
     const Answer answer =
-        emulator.handle(buffer.hold(bytes.data(), bytes.size()), now, {out.data(), out.size()});
+        emulator.handle(buffer.place_before_guard_page(bytes.data(), bytes.size()), now, {out.data(), out.size()});
     if (answer.size == 0) continue;
     Reply reply;
     ASSERT_EQ(decode({out.data(), answer.size}, reply), Malformed::kNone) << k;

@@ -32,7 +32,7 @@ class Snapshot {
   std::atomic<std::uint8_t> between_{2};
 };
 
-/// A queue from one thread to another; push() refuses what exceeds the size.
+/// Lock-free single-producer, single-consumer queue; push() returns false if it is full.
 template <typename T, std::size_t Size>
 class Queue {
  public:

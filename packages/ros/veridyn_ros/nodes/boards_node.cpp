@@ -65,7 +65,7 @@ class Boards {
   }
 
   void run() {
-    std::thread loop([this] { cycles(); });
+    std::thread loop([this] { run_loop(); });
     ros::AsyncSpinner spinner(1);
     spinner.start();
     while (ros::ok()) {
@@ -115,7 +115,7 @@ class Boards {
   }
 
   // The loop: nothing here allocates or throws; it waits only for the boards' replies.
-  void cycles() noexcept {
+  void run_loop() noexcept {
     if (priority_ > 0 && !(veridyn::set_real_time_priority(priority_) && veridyn::lock_memory()))
       ROS_WARN("the system allows no real-time priority: cycles may come late");
     Cycle cycle(1.0 / rate_);

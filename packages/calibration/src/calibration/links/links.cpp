@@ -173,7 +173,7 @@ int attached_as_in_file(Attachment& a, const std::vector<int>& active, const Vec
 // The constant with the largest gain. Among equal gains: those with which base and tool are at the file's
 // poses; of these the one with the smallest relative change, named ones preferred; else the first in the
 // file's order.
-int best_gain(Attachment& a, const std::vector<int>& active, const std::vector<LinkGain>& gain,
+int constant_with_largest_gain(Attachment& a, const std::vector<int>& active, const std::vector<LinkGain>& gain,
               const VectorXd& x, double correlation, std::string& rivals) {
   const std::vector<LinkParameter>& all = a.parameters->all();
   double most = 0.0;
@@ -244,7 +244,7 @@ Explanation explain(Attachment& a, const LinksOptions& options, double correlati
     }
     if (static_cast<int>(e.named.size()) >= options.most_named) break;
     std::string rivals;
-    const int next = best_gain(a, active, gains(normal, active), e.x, correlation, rivals);
+    const int next = constant_with_largest_gain(a, active, gains(normal, active), e.x, correlation, rivals);
     if (next < 0) break;
     e.named.push_back(next);
     e.rivals.push_back(rivals);

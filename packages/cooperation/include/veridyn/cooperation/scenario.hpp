@@ -103,7 +103,7 @@ struct ScenarioPhase {
 struct ScenarioFault {
   enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump, kSensorDrift };
   Kind kind = Kind::kArmLimp;
-  std::optional<int> arm = {}, member = {};  ///< that fails
+  std::optional<int> arm = {}, member = {};  ///< the arm, or the member whose sensor fails; exactly one is set
   double at = 0.0;        ///< [s]
   double by = 0.0;        ///< [N] of kSensorJump, [N/s] of kSensorDrift
   bool reported = false;  ///< the controller is informed of the failed arm

@@ -13,7 +13,7 @@ constexpr int kFrequencies = 160;
 constexpr int kMostLifted = 24;  // largest number of cycles whose inputs form one dense matrix
 
 // Spectral radius of a sample: a corner of the parameters' box, chosen by its seed.
-double sampled_radius(Scenario scenario, double factor, unsigned seed) {
+double sampled_spectral_radius(Scenario scenario, double factor, unsigned seed) {
   scenario.seed = seed;
   scenario.model_error *= factor;
   double worst = 0.0;
@@ -23,7 +23,7 @@ double sampled_radius(Scenario scenario, double factor, unsigned seed) {
 
 // Factor on the intervals up to which this corner is stable; zero: it is unstable even with exact parameters.
 double stable_factor(const Scenario& scenario, unsigned seed) {
-  const auto radius = [&](double factor) { return sampled_radius(scenario, factor, seed); };
+  const auto radius = [&](double factor) { return sampled_spectral_radius(scenario, factor, seed); };
   if (radius(kFirstFactor) <= kUnstable) return first_crossing(radius, kFirstFactor, kLargestFactor, 6);
   if (radius(0.0) > kUnstable) return 0.0;
   double stable = 0.0, unstable = kFirstFactor;
@@ -49,7 +49,7 @@ StabilityBounds bound_stability(const Scenario& scenario, int samples, int threa
   parallel_for(samples, threads, [&](int k) {
     const auto seed = static_cast<unsigned>(k + 1);
     const auto i = static_cast<size_t>(k);
-    radius[i] = sampled_radius(short_one, 1.0, seed);
+    radius[i] = sampled_spectral_radius(short_one, 1.0, seed);
     factor[i] = stable_factor(short_one, seed);
   });
   for (const double r : radius) out.unstable += r > kUnstable ? 1 : 0;

@@ -327,8 +327,8 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     const MatrixXd error = to_base * (target[i] - tip[i]);
     MatrixXd effort = a.stiffness * error - a.damping * (to_base * tip_rate[i]);
     if (a.gives_way) effort -= to_base * exerted[i];
-    y = arm.inverse * (a.mass_inverse * effort) -
-        arm.free * (kPostureDamping * vh + kPostureStiffness * q);
+    y = arm.damped_inverse * (a.mass_inverse * effort) -
+        arm.null_space * (kPostureDamping * vh + kPostureStiffness * q);
     MatrixXd tau = arm.G_known * q + arm.M_known * y;
     if (a.gives_way) tau += arm.J_base.transpose() * (to_base * exerted[i]);
     d += observer_ * (arm.M_known * lacking);

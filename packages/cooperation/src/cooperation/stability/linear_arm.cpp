@@ -72,15 +72,15 @@ LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const
   out.J_known = out.R_world_base * out.J_base;
   TaskInverse inverse(models.known, tip, TaskRows::kPosition);
   inverse.update(known.tip().jacobian());
-  out.inverse = MatrixXd::Zero(q.size(), 3);
+  out.damped_inverse = MatrixXd::Zero(q.size(), 3);
   VectorXd column = rest;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     Vector6d a = Vector6d::Zero();
     a[axis] = 1.0;
     inverse.solve(a, rest, column);
-    out.inverse.col(axis) = column;
+    out.damped_inverse.col(axis) = column;
   }
-  out.free = MatrixXd::Identity(q.size(), q.size()) - out.inverse * out.J_base;
+  out.null_space = MatrixXd::Identity(q.size(), q.size()) - out.damped_inverse * out.J_base;
   return out;
 }
 

@@ -20,8 +20,8 @@ struct LinearArm {
   MatrixXd M_known, G_known; ///< (n x n), as the controller knows them
   MatrixXd J_known;          ///< (3 x n), in the world
   MatrixXd J_base;           ///< (3 x n) the same in the base
-  MatrixXd inverse;          ///< (n x 3): joints' share of an acceleration in the base
-  MatrixXd free;             ///< (n x n): null-space projection of a posture's acceleration
+  MatrixXd damped_inverse;   ///< (n x 3) of J_base by TaskInverse: accelerations of the joints for one of the tip
+  MatrixXd null_space;       ///< (n x n) 1 - damped_inverse * J_base: projection of a posture's acceleration
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] in the world
   int joints() const { return static_cast<int>(M.rows()); }

@@ -54,7 +54,7 @@ class TurnedLoop {
     }
   }
 
-  double radius(double phase) const {
+  double spectral_radius_at(double phase) const {
     const Eigen::Index n = without_.front().rows();
     MatrixXd product = MatrixXd::Identity(2 * n, 2 * n);
     MatrixXd one(2 * n, 2 * n);
@@ -110,7 +110,7 @@ bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, doub
   const TurnedLoop turned(point, scenario);
   const int steps = std::max(4, static_cast<int>(std::ceil(phase * kPhaseSteps / M_PI)));
   for (int k = steps; k > 0; --k) {
-    if (turned.radius(phase * k / steps) > kTurnedUnstable) return false;
+    if (turned.spectral_radius_at(phase * k / steps) > kTurnedUnstable) return false;
   }
   return true;
 }
@@ -131,11 +131,11 @@ StabilityMargins loop_margins(const LinearPoint& point, const Scenario& scenario
   double before = 0.0;
   for (int k = 1; k <= kPhaseSteps; ++k) {
     const double phase = M_PI * k / kPhaseSteps;
-    if (turned.radius(phase) > kTurnedUnstable) {
+    if (turned.spectral_radius_at(phase) > kTurnedUnstable) {
       double stable = before, unstable = phase;
       for (int h = 0; h < 12; ++h) {
         const double middle = 0.5 * (stable + unstable);
-        (turned.radius(middle) > kTurnedUnstable ? unstable : stable) = middle;
+        (turned.spectral_radius_at(middle) > kTurnedUnstable ? unstable : stable) = middle;
       }
       out.phase_deg = stable * 180.0 / M_PI;
       break;

@@ -10,8 +10,8 @@
 namespace veridyn {
 namespace {
 
-constexpr long kOwnPattern = 24;        // cycles of one sensor's pattern
-constexpr long kLongestPattern = 1000;  // cycles of all
+constexpr long kOwnPattern = 24;        // [cycles] longest sampling pattern of one sensor
+constexpr long kLongestPattern = 1000;  // [cycles] longest common period of all sensors' sampling patterns
 
 struct Fraction {
   long above = 1, below = 1;

@@ -143,8 +143,8 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
   input_.force_age = age;
   tau_ = supervisor_->update(state_, input_, wanted);
   if (supervisor_->action() == SafetyAction::kMotorsOff && !cut_) {
-    cut_ = true;  // engages the brakes, if the arm has them
-    session_.power_off();
+    cut_ = true;
+    session_.power_off();  // removes power, so that brakes engage where the arm has them
   }
   all_.head(joints_) = tau_;
   sensors_.add_torque_errors(all_.head(joints_));

@@ -68,7 +68,7 @@ bool LiveHand::stop_requested(int under_way, double now) {
   const int all = *dropped + under_way;
   if (all == 0) return true;
   refused_by_words_.fetch_add(all);
-  if (report_.refused) report_.refused(dropped_lines(all));
+  if (report_.refused) report_.refused(dropped_lines_message(all));
   return true;
 }
 

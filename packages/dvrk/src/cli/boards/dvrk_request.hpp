@@ -50,7 +50,7 @@ struct DvrkRequest {
   std::string config_out;
   std::vector<std::string> events;
   std::vector<std::string> arms, models;          ///< of the emulator, which may have several arms
-  std::vector<std::string> chips;                 ///< BOARD=FILE
+  std::vector<std::string> chips;                 ///< BOARD=FILE; FILE holds the bytes of the Dallas chip of the instrument on that board
   std::optional<double> pot_noise, current_noise;  ///< [bits]
   CommonOptions common;
 };

@@ -39,7 +39,7 @@ struct LoopTiming {
   WriteGap longest_gap;
 
   /// Measured number of cycles per second.
-  double reached() const { return seconds > 0.0 ? static_cast<double>(cycles) / seconds : rate; }
+  double measured_rate() const { return seconds > 0.0 ? static_cast<double>(cycles) / seconds : rate; }
 };
 
 }  // namespace veridyn::dvrk

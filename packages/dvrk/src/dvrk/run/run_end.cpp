@@ -10,8 +10,8 @@ std::string lateness_text(const CycleClock& clock) {
 }
 
 std::string objection_to(const LoopTiming& timing) {
-  if (timing.reached() >= kLeastRate * timing.rate) return "";
-  return text("the loop was late: ", timing.reached(), " cycles per second, expected ", timing.rate,
+  if (timing.measured_rate() >= kLeastRate * timing.rate) return "";
+  return text("the loop was late: ", timing.measured_rate(), " cycles per second, expected ", timing.rate,
               "; ", timing.late, " of ", timing.cycles, " cycles began late");
 }
 

@@ -48,7 +48,7 @@ std::string to_json(const RunResult& run, const FaultLog& faults, const std::str
                  {"late_replies", run.timing.late_replies},
                  {"late_system", run.timing.late - run.timing.late_own - run.timing.late_replies},
                  {"rate", run.timing.rate},
-                 {"rate_reached", run.timing.reached()},
+                 {"rate_reached", run.timing.measured_rate()},
                  {"mean", run.timing.mean},
                  {"longest", run.timing.longest},
                  {"longest_gap",

@@ -68,7 +68,7 @@ enum class OffState {
 };
 const char* describe(OffState state);
 
-/// State of a session between power-up and currents.
+/// Stage of the power-up sequence.
 enum class PowerState {
   kOff,    ///< amplifiers and power are commanded off in every cycle
   kRelay,  ///< the safety relay closes

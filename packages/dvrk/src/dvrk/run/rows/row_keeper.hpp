@@ -55,7 +55,7 @@ class RowKeeper {
 
  private:
   static constexpr double kSpare = 1.2;        ///< Factor on the expected number of rows
-  static constexpr double kMostTouched = 5e8;  ///< [bytes]
+  static constexpr double kMostTouched = 5e8;  ///< [bytes] larger memory is not written in advance
   Recording rows_;
   std::atomic<Eigen::Index> count_{0};
 };
@@ -73,9 +73,9 @@ class LatchTime {
       start_ = now;
       started_ = true;
     } else {
-      const bool stands = seconds < kStands && passed > kStands;
-      if (stands) ++stood_still_;
-      time_ += gap_ || stands || std::abs(seconds - passed) > kClocksDiffer ? passed : seconds;
+      const bool is_stalled = seconds < kShortestInterval && passed > kShortestInterval;
+      if (is_stalled) ++stalled_latches_;
+      time_ += gap_ || is_stalled || std::abs(seconds - passed) > kLargestClockDifference ? passed : seconds;
       find_foreign_reads(now - start_ - time_);
     }
     last_ = now;
@@ -84,34 +84,40 @@ class LatchTime {
   }
   void mark_gap() noexcept { gap_ = true; }
   /// Latches during which the boards' counter did not advance, timed by the link's clock.
-  long stalled_latches() const { return stood_still_; }
-  /// Number of missing intervals.
+  long stalled_latches() const { return stalled_latches_; }
+  /// Number of intervals that reads of another client have removed.
   long foreign_reads() const { return foreign_; }
 
  private:
   // `behind` is the delay of a cycle relative to the boards' time. Its minimum drifts slowly with the two
-  // clocks; a lasting step is time that another client's read has removed.
+  // clocks; a lasting increase is time that another client's read has removed.
   void find_foreign_reads(double behind) noexcept {
-    if (behind - usual_ <= kStep) {
-      steps_ = 0;
-      usual_ += (behind < usual_ ? kFollowDown : kFollowUp) * (behind - usual_);
+    if (behind - baseline_delay_ <= kLastingDelay) {
+      delayed_reads_ = 0;
+      baseline_delay_ += (behind < baseline_delay_ ? kFollowDown : kFollowUp) * (behind - baseline_delay_);
       return;
     }
-    least_ = steps_ == 0 ? behind : std::min(least_, behind);
-    if (++steps_ < kStays) return;
-    time_ += least_ - usual_;
+    smallest_delay_ = delayed_reads_ == 0 ? behind : std::min(smallest_delay_, behind);
+    if (++delayed_reads_ < kLastingReads) return;
+    time_ += smallest_delay_ - baseline_delay_;
     ++foreign_;
-    steps_ = 0;
+    delayed_reads_ = 0;
   }
 
-  static constexpr double kStands = 1e-6;  // [s] shortest time between two reads
-  static constexpr double kClocksDiffer = 0.05;  // [s]
-  static constexpr double kStep = 1e-4;          // [s]
-  static constexpr int kStays = 8;               // reads in a row
+  // [s] interval of the boards below this, while the link's clock exceeds it: their counter is stalled
+  static constexpr double kShortestInterval = 1e-6;
+  // [s] difference between the two clocks' intervals above this: the link's clock is used
+  static constexpr double kLargestClockDifference = 0.05;
+  // [s] delay above the baseline by more than this in kLastingReads successive reads: another client has read
+  static constexpr double kLastingDelay = 1e-4;
+  static constexpr int kLastingReads = 8;
+  // shares by which the baseline follows larger and smaller delays
   static constexpr double kFollowUp = 0.001, kFollowDown = 0.1;
-  double time_ = 0.0, last_ = 0.0, start_ = 0.0, usual_ = 0.0, least_ = 0.0;
-  int steps_ = 0;
-  long foreign_ = 0, stood_still_ = 0;
+  double time_ = 0.0, last_ = 0.0, start_ = 0.0;
+  double baseline_delay_ = 0.0;  // [s] usual delay of a cycle relative to the boards' time
+  double smallest_delay_ = 0.0;  // [s] smallest delay of the present series of delayed reads
+  int delayed_reads_ = 0;
+  long foreign_ = 0, stalled_latches_ = 0;
   bool started_ = false, gap_ = false;
 };
 

@@ -18,11 +18,11 @@ bool is_tilt(const Term& t);
 /// True for a factor of a recorded torque.
 bool is_factor(const Term& t);
 
-/// The present set of terms, with the arm and the corrections in it; evaluates everything that a search
-/// compares.
-class Present {
+/// The terms that the search has chosen so far, with the arm that contains their corrections. A search changes the set and
+/// evaluates it with and without each term.
+class CurrentSet {
  public:
-  Present(const Model& arm, const SearchRequest& request);
+  CurrentSet(const Model& arm, const SearchRequest& request);
 
   std::vector<Chosen> terms;
 
@@ -33,13 +33,13 @@ class Present {
   const Eigen::Vector3d& gravity() const { return arm_.gravity(); }  ///< gravity of the file
   const std::vector<Term>& dictionary() const { return dictionary_; }
   bool is_empty() const { return folds_.count == 0 || rows_->rows() == 0; }
-  /// True if every term is tested again on held-out recordings. For changes of a MODEL it is not: these may
+  /// True if every term is tested again on held-out recordings. Changes of a MODEL are not, because they may
   /// differ between recordings.
   bool is_repeated() const { return !request_.test.empty() && !request_.scope.changes; }
 
-  /// Weights and factors of the present set; the weights start from those of the last round.
+  /// Weights and factors of the current set; the weights start from those of the last round.
   Round round();
-  /// First column in a fit, and number of columns.
+  /// First column of the k-th term in a fit, and its number of columns.
   std::pair<Eigen::Index, Eigen::Index> range(size_t k) const;
   std::vector<int> all_but(const std::set<size_t>& without) const;
   double price_of(const std::vector<int>& some) const;
@@ -59,30 +59,30 @@ class Present {
     std::shared_ptr<const Rows> test, test_of;
     std::map<std::string, std::shared_ptr<const Columns>> test_columns;
   };
-  State kept() const;
+  State snapshot() const;
   void restore(const State& s);
 
   /// The arm with values and the corrections of these terms.
   Model arm_of(const std::vector<Chosen>& some) const;
   /// Computes rows, base and columns at another arm; false if its rows are not the same ones.
   bool move_to(const Model& arm);
-  /// Takes steps of the k-th term, whose columns are exact at the present arm only; false if even the first
-  /// step raises the score.
+  /// Corrects the arm by steps of the k-th term, whose columns are exact at the current arm only; false if even the
+  /// first step raises the score.
   bool linearise(size_t k);
 
-  /// The set without one term, at the arm without it.
-  struct Without {
+  /// Fits with and without one term; the second at the arm without its correction.
+  struct LeaveOneOut {
     Fitted with, fit;
     Gain gain;
     Gain on_test;  ///< gain on held-out recordings; empty if there are none
   };
-  /// Called at the arm without a linearised term, with the gain of the term there.
-  using AtArmWithout = std::function<void(const Round&, const Subset&, const Fitted&, double gained)>;
-  Without without(size_t k, const Round& now, const AtArmWithout& look = {});
+  /// Function that is called at the arm without a linearised term, with the gain of the term there.
+  using Visitor = std::function<void(const Round&, const Subset&, const Fitted&, double gained)>;
+  LeaveOneOut evaluate_without(size_t k, const Round& now, const Visitor& visitor = {});
 
-  /// Rows of the held-out recordings, for the present arm.
+  /// Rows of the held-out recordings, for the current arm.
   const std::shared_ptr<const Rows>& test_rows();
-  /// Residual of the held-out recordings with terms of the present set.
+  /// Residual of the held-out recordings with terms of the current set.
   MatrixXd test_residual_of(const VectorXd& x, const std::vector<int>& set);
 
   /// Standard parameters of the arm after a fit.

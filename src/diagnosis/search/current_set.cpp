@@ -1,4 +1,4 @@
-#include "diagnosis/search/present.hpp"
+#include "diagnosis/search/current_set.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +34,7 @@ bool is_same_motion(const Rows& a, const Rows& b) {
 }
 
 double errors_of(int blocks) {
-  return blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kPassed), std::max(1.0, blocks - 1.0)) : kErrors;
+  return blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kProbabilityWithoutTest), std::max(1.0, blocks - 1.0)) : kStandardErrorsWithoutTest;
 }
 
 }  // namespace
@@ -50,10 +50,10 @@ bool is_factor(const Term& t) {
   return sensor != nullptr && sensor->scales_torque();
 }
 
-Present::Present(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
+CurrentSet::CurrentSet(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
   rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing, request.threads);
   folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
-  folds_.errors = is_repeated() ? kRepeated : errors_of(folds_.blocks);
+  folds_.errors = is_repeated() ? kStandardErrorsWithTest : errors_of(folds_.blocks);
   values_ = VectorXd(rows_->names().size());
   const std::vector<StandardParameter> all = standard_parameters(arm);
   for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
@@ -63,7 +63,7 @@ Present::Present(const Model& arm, const SearchRequest& request) : arm_(arm), re
   cache_.resize(dictionary_.size());
 }
 
-std::vector<int> Present::all_but(const std::set<size_t>& without) const {
+std::vector<int> CurrentSet::all_but(const std::set<size_t>& without) const {
   std::vector<int> out;
   for (size_t k = 0; k < terms.size(); ++k) {
     if (without.count(k) == 0) out.push_back(static_cast<int>(k));
@@ -71,11 +71,11 @@ std::vector<int> Present::all_but(const std::set<size_t>& without) const {
   return out;
 }
 
-Base Present::base_of(const Rows& rows) const {
+Base CurrentSet::base_of(const Rows& rows) const {
   if (!request_.scope.changes) {
     // Under a leaning base more parameters have a torque, such as the first moments of an upright arm's first link.
     const double lean = (rows.arm().gravity() - arm_.gravity()).norm();
-    const bool is_leaning = lean > 0.0 && lean < kHalf * arm_.gravity().norm();
+    const bool is_leaning = lean > 0.0 && lean < 0.5 * arm_.gravity().norm();
     return fitted_base(rows, is_leaning ? base_parameters(rows.arm()).size() : directions_, request_.threads);
   }
   if (base_.T.size() == 0) return prior_base(rows, arm_);
@@ -85,7 +85,7 @@ Base Present::base_of(const Rows& rows) const {
   return out;
 }
 
-double Present::price_of(const std::vector<int>& some) const {
+double CurrentSet::price_of(const std::vector<int>& some) const {
   double sum = 0.0;
   for (const int k : some) sum += terms[k].term.price;
   return sum;
@@ -93,7 +93,7 @@ double Present::price_of(const std::vector<int>& some) const {
 
 // Curves on the joint of a named term. A curve can imitate the named cause, so that the term is compared
 // without it.
-std::set<size_t> Present::curves_beside(size_t k) const {
+std::set<size_t> CurrentSet::curves_beside(size_t k) const {
   std::set<size_t> out;
   const Term& t = terms[k].term;
   for (size_t c = 0; t.kind != TermKind::kCurve && t.joint && c < terms.size(); ++c) {
@@ -102,20 +102,20 @@ std::set<size_t> Present::curves_beside(size_t k) const {
   return out;
 }
 
-Present::State Present::kept() const { return {terms, rows_, base_, values_, weights_, cache_, test_, test_of_, test_columns_}; }
+CurrentSet::State CurrentSet::snapshot() const { return {terms, rows_, base_, values_, weights_, cache_, test_, test_of_, test_columns_}; }
 
-const std::shared_ptr<const Columns>& Present::columns_at(size_t k) {
+const std::shared_ptr<const Columns>& CurrentSet::columns_at(size_t k) {
   if (!cache_[k]) cache_[k] = std::make_shared<Columns>(columns_of(dictionary_[k], *rows_));
   return cache_[k];
 }
 
-Round Present::round() {
+Round CurrentSet::round() {
   std::vector<SetTerm> set;
   for (const Chosen& c : terms) set.push_back({&c.columns, c.ridge, c.term.nonnegative});
   return Round(*rows_, folds_, base_, set, weights_);
 }
 
-VectorXd Present::ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const {
+VectorXd CurrentSet::ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const {
   VectorXd out = VectorXd::Zero(count);
   if (t.kind == TermKind::kCurve) out.setConstant(1.0 / std::pow(kCurveSize * scale[t.joint->value], 2));
   if (t.kind == TermKind::kLoad) {
@@ -126,7 +126,7 @@ VectorXd Present::ridge_of(const Term& t, Eigen::Index count, const VectorXd& sc
   return out;
 }
 
-bool Present::is_chosen(const Term& t, const std::set<size_t>& without) const {
+bool CurrentSet::is_chosen(const Term& t, const std::set<size_t>& without) const {
   for (size_t k = 0; k < terms.size(); ++k) {
     if (without.count(k) != 0 || !same_place(terms[k].term, t)) continue;
     // Several memories or waves may act on one axis.
@@ -136,13 +136,13 @@ bool Present::is_chosen(const Term& t, const std::set<size_t>& without) const {
   return false;
 }
 
-bool Present::shares_joint(const Term& t, const std::set<size_t>& with) const {
+bool CurrentSet::shares_joint(const Term& t, const std::set<size_t>& with) const {
   return !t.joint || std::any_of(with.begin(), with.end(), [&](size_t k) {
     return !terms[k].term.joint || terms[k].term.joint == t.joint;
   });
 }
 
-void Present::restore(const State& s) {
+void CurrentSet::restore(const State& s) {
   terms = s.terms;
   rows_ = s.rows;
   base_ = s.base;
@@ -154,18 +154,16 @@ void Present::restore(const State& s) {
   test_columns_ = s.test_columns;
 }
 
-// The arm with values and the corrections of these terms.
-Model Present::arm_of(const std::vector<Chosen>& some) const {
+Model CurrentSet::arm_of(const std::vector<Chosen>& some) const {
   return corrected(request_.scope.changes ? arm_ : with_values(arm_, values_, VectorXd()), some);
 }
 
-// Computes rows, base and columns at another arm; false if its rows are not the same ones.
-bool Present::move_to(const Model& arm) {
+bool CurrentSet::move_to(const Model& arm) {
   std::shared_ptr<Rows> rows;
   try {
     rows = std::make_shared<Rows>(arm, request_.recordings, request_.preprocessing, request_.threads);
   } catch (const InvalidInput&) {
-    return false;  // no arm
+    return false;  // no arm has these constants
   }
   if (rows->rows() != static_cast<Eigen::Index>(folds_.of_row.size()) || !rows->residual.allFinite()) return false;
   const bool same = is_same_motion(*rows_, *rows);
@@ -180,9 +178,7 @@ bool Present::move_to(const Model& arm) {
   return true;
 }
 
-// Takes steps of the k-th term, whose columns are exact at the present arm only; false if even the first step
-// raises the score.
-bool Present::linearise(size_t k) {
+bool CurrentSet::linearise(size_t k) {
   bool moved = terms[k].gravity.has_value();
   if (moved && !move_to(arm_of(terms))) return false;
   std::optional<Round> now(round());
@@ -192,16 +188,16 @@ bool Present::linearise(size_t k) {
     const VectorXd z = fit.x.segment(first, count);
     const MatrixXd covariance = now->covariance(now->whole(), fit).block(first, first, count, count);
     bool small = true;
-    for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kSettled * std::sqrt(std::max(covariance(c, c), numerics::kTiny));
+    for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kConvergedStep * std::sqrt(std::max(covariance(c, c), numerics::kTiny));
     if (small) return true;
-    const State state = kept();
+    const State state = snapshot();
     std::optional<Round> better;
     // A torque computed from the recorded torque of another joint contains its noise, so that it need not
     // lower the score as much as the model's torque does. Under another gravity the hidden parameters of a
     // MODEL have a torque: each fitted one may raise the held-out error.
-    double least = moved ? 0.0 : -kBetter;
+    double least = moved ? 0.0 : -kExchangeGain;
     if (!moved && is_tilt(terms[k].term)) least *= 1.0 + static_cast<double>(base_.hidden);
-    if (!moved && terms[k].term.candidate.from) least = -kHalf * now->gain(fit, now->evaluate(now->subset(all_but({k})))).sum;
+    if (!moved && terms[k].term.candidate.from) least = -kRivalGainShare * now->gain(fit, now->evaluate(now->subset(all_but({k})))).sum;
     for (double scale = 1.0; scale > kShortestStep && !better; scale *= 0.5) {
       std::vector<double> trial(static_cast<size_t>(count));
       for (Eigen::Index c = 0; c < count; ++c) trial[static_cast<size_t>(c)] = scale * z[c];
@@ -214,7 +210,7 @@ bool Present::linearise(size_t k) {
         Round then = round();
         const double gained = now->gain(then.fit(), fit).sum;
         if (gained > least) {
-          if (gained < kLittle && step > 0) return true;
+          if (gained < kNegligibleGain && step > 0) return true;
           better.emplace(std::move(then));
           continue;
         }
@@ -229,7 +225,7 @@ bool Present::linearise(size_t k) {
 }
 
 // Adds a step to the offset of a term.
-bool Present::take_step(size_t k, const std::vector<double>& step) {
+bool CurrentSet::take_step(size_t k, const std::vector<double>& step) {
   Chosen& c = terms[k];
   if (is_tilt(c.term)) {
     const Model now = with_step(rows_->arm(), c.term, step);
@@ -241,20 +237,20 @@ bool Present::take_step(size_t k, const std::vector<double>& step) {
     double& offset = c.offset[p];
     offset = is_factor(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
     if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
-    if (is_factor(c.term) && offset < kGainOfNothing) return false;
+    if (is_factor(c.term) && offset < kSignReversingGain) return false;
     if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
   }
   return true;
 }
 
-std::pair<Eigen::Index, Eigen::Index> Present::range(size_t k) const {
+std::pair<Eigen::Index, Eigen::Index> CurrentSet::range(size_t k) const {
   Eigen::Index at = base_.T.cols();
   for (size_t c = 0; c < k; ++c) at += terms[c].columns.count();
   return {at, terms[k].columns.count()};
 }
 
-Present::Without Present::without(size_t k, const Round& now, const AtArmWithout& look) {
-  Without out;
+CurrentSet::LeaveOneOut CurrentSet::evaluate_without(size_t k, const Round& now, const Visitor& visitor) {
+  LeaveOneOut out;
   std::set<size_t> aside = curves_beside(k);
   const std::vector<int> set = all_but(aside);
   out.with = aside.empty() ? now.fit() : now.evaluate(now.subset(set));
@@ -268,13 +264,13 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
     out.fit = now.evaluate(s);
     if (is_tested) test_without = test_residual_of(out.fit.x, rest);
   } else {
-    const State state = kept();
+    const State state = snapshot();
     terms.erase(terms.begin() + static_cast<long>(k));
     if (move_to(arm_of(terms))) {
       const Round then = round();
       out.fit = then.fit();
       if (is_tested) test_without = test_residual_of(out.fit.x, all_but({}));
-      if (look) look(then, then.whole(), out.fit, then.gain(out.with, out.fit).sum);
+      if (visitor) visitor(then, then.whole(), out.fit, then.gain(out.with, out.fit).sum);
     } else {
       out.fit = out.with;
       test_without = test_with;
@@ -286,8 +282,7 @@ Present::Without Present::without(size_t k, const Round& now, const AtArmWithout
   return out;
 }
 
-// Rows of the held-out recordings, for the present arm.
-const std::shared_ptr<const Rows>& Present::test_rows() {
+const std::shared_ptr<const Rows>& CurrentSet::test_rows() {
   if (test_of_ != rows_) {
     test_ = std::make_shared<Rows>(rows_->arm(), request_.test, request_.test_preprocessing, request_.threads);
     test_columns_.clear();
@@ -296,8 +291,7 @@ const std::shared_ptr<const Rows>& Present::test_rows() {
   return test_;
 }
 
-// Residual of the held-out recordings with terms of the present set.
-MatrixXd Present::test_residual_of(const VectorXd& x, const std::vector<int>& set) {
+MatrixXd CurrentSet::test_residual_of(const VectorXd& x, const std::vector<int>& set) {
   const Rows& test = *test_rows();
   MatrixXd residual = test.residual;
   const VectorXd shift = base_.T * x.head(base_.T.cols());
