@@ -142,6 +142,27 @@ TEST(Judge, CountsRightFindingsRivalsAndExtras) {
   EXPECT_EQ(judge(hidden, d).named, 1);
 }
 
+TEST(Judge, ALoadOnAnotherFrameOfTheSameBodyIsRight) {
+  HiddenCase hidden{{"psm-3dof", {"payload"}, 1, 0.1, Mode::kChanged},
+                    make_bench("psm-3dof", 1),
+                    {{"payload", -1, -1, "arm", "", {{"mass", 0.13}, {"x", 0.01}}}},
+                    {},
+                    {},
+                    {},
+                    true};
+  Diagnosis d;
+  d.baseline.model = read_model("psm-3dof");
+  Finding found;
+  found.parameters = {{"mass", "kg", 0.12, 0.1, 0.14}, {"x", "m", 0.12, 0.1, 0.14}};
+  for (const auto& [frame, is_right] : {std::pair("wrist", true), std::pair("elbow", false)}) {
+    found.cause = AddedLoad{FrameIndex{d.baseline.model->find_frame(frame)}};
+    d.findings = {found};
+    const Verdict v = judge(hidden, d);
+    EXPECT_EQ(v.first, is_right) << frame;
+    EXPECT_EQ(v.intervals, is_right ? 1 : 0) << frame;
+  }
+}
+
 // Viscous friction falls by 1 to 3 % from one recording to the next; the model is identified from the first four.
 TEST(TemperatureDrift, IsSmallAndIsNoFalseFindingAgainstAModel) {
   for (const unsigned seed : {1U, 2U, 3U}) {

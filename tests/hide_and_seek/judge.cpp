@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/moving_frame.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/files/model_file.hpp"
 
@@ -66,6 +67,26 @@ void compare_intervals(const Cause& cause, const NamedFinding& f, Verdict& v) {
   }
 }
 
+// A load on any frame of a rigid body is the same load: a finding on one of them counts as on the hidden one. Its centre, in
+// another frame, is not compared.
+void put_on_hidden_frames(const Model& arm, const std::vector<Cause>& hidden, std::vector<NamedFinding>& findings) {
+  const auto body = [&arm](const std::string& frame) { return moving_frame(arm, FrameIndex{arm.find_frame(frame)}); };
+  for (const Cause& cause : hidden) {
+    if (cause.effect != AddedLoad::kName) continue;
+    const auto is_same_body = [&](const Named& one) {
+      return one.effect == cause.effect && one.frame != cause.frame && body(one.frame) == body(cause.frame);
+    };
+    for (NamedFinding& f : findings) {
+      for (Named& rival : f.rivals) {
+        if (is_same_body(rival)) rival.frame = cause.frame;
+      }
+      if (!is_same_body(f)) continue;
+      f.frame = cause.frame;
+      f.parameters.erase(std::remove_if(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) { return p.name != "mass"; }), f.parameters.end());
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<NamedFinding> named_by(const Diagnosis& d) {
@@ -116,7 +137,9 @@ Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>&
 }
 
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
-  Verdict v = judge(hidden.causes, named_by(d), hidden.also_true);
+  std::vector<NamedFinding> findings = named_by(d);
+  if (d.baseline.model) put_on_hidden_frames(*d.baseline.model, hidden.causes, findings);
+  Verdict v = judge(hidden.causes, findings, hidden.also_true);
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (!hidden.causes.empty() && before.size() > 0 && after.size() == before.size()) {
