@@ -1,8 +1,12 @@
 // What identify found.
 
+/** 'held out', or 'learned from' where rows of a test recording were fitted to. */
+const testName = () => result.test && result.verdict && !result.verdict.held_out ? 'learned from' : 'held out';
+const testTitle = () => testName().replace(/^./, (letter) => letter.toUpperCase());
+
 function recordingErrors() {
   const rows = ['test', 'train'].flatMap((part) => (result[part] && result[part].recordings || []).map((recording, k) => [
-    strong(fileName(recording.source)), part === 'test' ? 'held out' : 'training',
+    strong(fileName(recording.source)), part === 'test' ? testName() : 'training',
     ...series.joints.map((_, i) => percent('/' + part + '/recordings/' + k + '/relative_error/' + i))]));
   return rows.length < 2 ? null : [heading('By recording'), table(['Recording', 'Part', ...series.joints.map((joint, i) => '#' + (i + 1) + ' ' + joint.name)], rows, 'recording-errors')];
 }
@@ -64,11 +68,11 @@ pages.identify = () => {
     next: identifyNext(rows),
     picture: worst ? torquePicture(worst.joint) : null,
     sections: [
-      section('errors', 'Error per joint', 'Root mean square of measured minus modelled torque, in % of the measured torque. Held-out recordings took no part in the fit; moving: ' +
+      section('errors', 'Error per joint', 'Root mean square of measured minus modelled torque, in % of the measured torque. Held out: took no part in the fit; moving: ' +
                   'only samples at which the joint is faster than 2 % of its largest speed. The noise floor is how much the torque of the training recordings differs between ' +
                   'repeats of one motion: about the best that a model can do.',
-              errorTable([{name: 'Held out', place: '/test/relative_error', kind: 'extended'}, {name: 'Held out, moving', place: '/test/moving/relative_error'},
-                          {name: 'Held out, largest', place: '/test/max_error'}, {name: 'Training', place: '/train/relative_error', kind: result.test ? undefined : 'extended'},
+              errorTable([{name: testTitle(), place: '/test/relative_error', kind: 'extended'}, {name: testTitle() + ', moving', place: '/test/moving/relative_error'},
+                          {name: testTitle() + ', largest', place: '/test/max_error'}, {name: 'Training', place: '/train/relative_error', kind: result.test ? undefined : 'extended'},
                           {name: 'Noise floor', place: floor}], floor),
               recordingErrors()),
       frictionSection(),
