@@ -134,7 +134,7 @@ struct PreparationFacts {
   long unused = 0;   ///< of these samples, in or near gaps
   long rows_read = 0;
   FilledRows filled;
-  std::vector<std::uint64_t> row_hashes;  ///< hashes of a sample of the selected rows, which pieces of one recording share
+  std::vector<std::uint64_t> row_hashes;  ///< hashes of some of its rows, by which copies and pieces of a recording are recognised
 };
 
 /// Reads a recording of any length once and calls `visit` for segments of a few thousand samples.

@@ -152,7 +152,7 @@ void compare_parameters(const Side& a, const Side& b, ModelComparison& out) {
       out.only_before.push_back(a.known.expressions[r]);
       continue;
     }
-    const VectorXd w_b = a.to_other.M * w, w_a = b.to_other.M * w_b;  // known bodies of one model only are included
+    const VectorXd w_b = a.to_other.M * w, w_a = b.to_other.M * w_b;  // with the known bodies that only one model has
     ModelDifference d = difference_of(a, a.known.of(w_a), b, b.known.of(w_b));
     const int leading = a.known.leading[r];
     const StandardParameter& p = a.torque.parameters[leading];

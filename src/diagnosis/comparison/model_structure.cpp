@@ -59,7 +59,8 @@ std::vector<double> shape_of(const Model& arm, const EffectTerm& term) {
   return {bound.shape().begin(), bound.shape().begin() + count};
 }
 
-// Names of the terms. Terms of one effect at one place are numbered in the order of their shape constants.
+// A name for every effect of the arm, such as "coulomb_friction(elbow)". Several of one kind on one axis are numbered in
+// the order of their shape constants.
 std::vector<std::string> names_of_terms(const Model& arm) {
   std::map<std::string, std::vector<std::pair<std::vector<double>, std::size_t>>> at_place;
   for (std::size_t e = 0; e < arm.effects().size(); ++e) {

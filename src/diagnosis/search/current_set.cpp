@@ -75,7 +75,7 @@ Base CurrentSet::base_of(const Rows& rows) const {
   if (!request_.scope.changes) {
     // Under a leaning base more parameters have a torque, such as the first moments of an upright arm's first link.
     const double lean = (rows.arm().gravity() - arm_.gravity()).norm();
-    const bool is_leaning = lean > 0.0 && lean < 0.5 * arm_.gravity().norm();
+    const bool is_leaning = lean > 0.0 && lean < kSmallLean * arm_.gravity().norm();
     return fitted_base(rows, is_leaning ? base_parameters(rows.arm()).size() : directions_, request_.threads);
   }
   if (base_.T.size() == 0) return prior_base(rows, arm_);

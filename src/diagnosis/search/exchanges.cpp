@@ -1,5 +1,6 @@
 #include "diagnosis/search/exchanges.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -79,7 +80,9 @@ void Exchanges::polish(const Round& round, const Subset& s, Exchange& best) cons
 // part of the value, so that of links with equal torque the one nearest to the load carries it.
 void Exchanges::polish_load(const Round& round, const Subset& s, Exchange& best) const {
   const auto [A, b] = round.normal_equations(s, products_of(round, best.term, best.columns).cross);
-  const MassCost cost(A, b, kReach);
+  // The columns are those of the coefficients about the term's present centre.
+  const MatrixXd coefficients = load_parameters(best.term.centre).inverse();
+  const MassCost cost(coefficients.transpose() * A * coefficients, coefficients.transpose() * b, kReach);
   const PlacedMass load = cost.fit();
   Term t = best.term;
   t.centre = load.com;

@@ -47,7 +47,7 @@ constexpr double kUncorrelated = 0.05;       ///< autocorrelation of the residua
 constexpr int kMostLags = 200;               ///< rows over which the autocorrelation is summed
 constexpr double kLargestPart = 10.0;        ///< largest rms of one parameter's torque, relative to that of the joint's torque
 constexpr double kDependent = 1e-10;         ///< smallest eigenvalue of scaled columns that count as independent
-constexpr int kRandomStates = 200;            ///< states at which torques under other directions of gravity are compared
+constexpr int kRandomStates = 200;           ///< states at which torques under other directions of gravity are compared
 constexpr double kHidden = 1e-6;             ///< share of the largest sum of squares, below which a direction has no torque
 constexpr double kLeastScale = 1e-4;         ///< smallest residual, as a share of the joint's rms torque
 constexpr int kBoundTurns = 5;               ///< largest number of extensions of the set of levels that are held at zero
@@ -66,16 +66,17 @@ constexpr int kRounds = 12;                  ///< rounds beyond the largest numb
 constexpr int kTurns = 3;                    ///< rounds of exchanges after each addition
 constexpr int kSections = 5;                 ///< golden sections for one shape constant
 constexpr double kSearchGolden = 0.381966011250105;
-constexpr double kExchangeGain = 0.5;              ///< [nats] by which an exchange must lower the score
+constexpr double kExchangeGain = 0.5;        ///< [nats] by which an exchange must lower the score
 constexpr int kSteps = 6;                    ///< largest number of steps of a linearised term
-constexpr double kConvergedStep = 0.05;            ///< share of a standard deviation, below which a step has converged
+constexpr double kConvergedStep = 0.05;      ///< share of a standard deviation, below which a step has converged
 constexpr double kShortestStep = 0.2, kNegligibleGain = 0.1;  ///< shortest part of a step that is tried; gain [nats] below which no further step is taken
-constexpr double kSignReversingGain = -0.95;     ///< smallest error of a factor: below -1 it would reverse the torque's sign
+constexpr double kSignReversingGain = -0.95;  ///< smallest error of a factor: below -1 it would reverse the torque's sign
 constexpr double kFarGravity = 0.1;          ///< share of gravity: nearer directions are reached by steps
+constexpr double kSmallLean = 0.5;           ///< share of gravity: up to such a difference from the file's, base parameters are those of the leaning arm
 /// prior deviations of a load [kg], [m], and of its inertia beyond that of a point [kg m^2], also as that of a radius of
 /// gyration [m]: values that the torques do not determine stay small
 constexpr double kMassOfArm = 30.0, kReach = 0.5, kInertia = 0.02, kGyration = 0.05;
-constexpr double kDeterminedShare = 0.1;                ///< share of a first moment's prior deviation, below which torques determine it
+constexpr double kDeterminedShare = 0.1;     ///< share of a first moment's prior deviation, below which torques determine it
 constexpr double kNoMass = 1e-6;             ///< [kg] of a load
 constexpr double kAlongJoint = 0.999;        ///< cosine of an axis that is a joint's own
 constexpr double kFirstProfile = 0.02;       ///< first step of the profile of a shape
@@ -92,6 +93,6 @@ constexpr double kProminence = 4.0;          ///< smallest ratio of a spectral l
 constexpr std::size_t kMostLines = 3;        ///< largest number of lines of one joint
 constexpr double kAngleReach = 0.6, kLengthReach = 0.15;  ///< [rad], also for a ratio, and [m]: largest error of a constant
 constexpr double kDifference = 1e-4;         ///< [rad] or [m] step of numerical derivatives with respect to a constant
-constexpr double kQuarterOfRange = 0.25;            ///< share of a shape's range: its step if its grid has one value
+constexpr double kQuarterOfRange = 0.25;     ///< share of a shape's range: its step if its grid has one value
 
 }  // namespace veridyn::search

@@ -135,8 +135,8 @@ void ChangeFinder::update_noise(const Step& step, double strength) {
   if (learned || (more && !relearning)) calibrate();
 }
 
-// Sizes for which the columns hold, or that a joint can have. No arm carries more than its own mass, and friction does
-// not fall below zero.
+// Sets the largest plausible size of every hypothesis: a load weighs no more than the arm, friction does not fall below zero,
+// and the linearised columns of other causes hold up to the largest value of their effect.
 void ChangeFinder::set_bounds() {
   double mass = 0.0;
   for (const Frame& f : arm_.frames()) {
@@ -158,7 +158,7 @@ void ChangeFinder::set_bounds() {
   }
 }
 
-// That of the model's own effect of the kind.
+// Value of the model's own effect with the cause and joint of a hypothesis; 0 without one.
 double ChangeFinder::own_value(const Hypothesis& one) const {
   const Effect& effect = find_effect(effect_of(one.of.cause));
   double out = 0.0;

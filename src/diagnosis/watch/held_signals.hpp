@@ -28,19 +28,19 @@ class HeldSignals {
     double since = 0.0;  ///< [s]
     std::string why;
   };
-  /// Compares the next row with those before; what was held until now is interpolated in the rows that wait.
+  /// Compares the next row with those before. Where a signal has a new value, its earlier rows that wait are interpolated.
   /// @param path     (3 n) a measure of the joint's motion that the signal does not enter, for q and tau.
   /// @param fastest  (n) [rad/s], [m/s] of the joints so far.
   /// @param sound    time of the last usable row [s]; nothing where it is not usable.
   std::optional<Stopped> compare(const Row& row, const VectorXd& path, const VectorXd& fastest, std::optional<double> sound);
 
-  /// Lets the row wait until all its signals are known: those that a later row refreshes within numbers.held.
+  /// Queues a row until all its signals are known, which a later row may refresh within numbers.held.
   void wait(const Row& row) { waiting_.push_back(row); }
   /// The next row that is known, or nothing.
   std::optional<Row> next();
   void drop_waiting() { waiting_.clear(); }
 
-  /// The clock was set back.
+  /// Shifts all stored times after the recording's clock was set back by so many seconds.
   void set_back(double by) { since_.array() -= by; }
 
   /// [s] between new values of the slowest of the first `signals` entries of these rows. What stays for > longest [s], or

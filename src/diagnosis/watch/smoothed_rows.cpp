@@ -348,7 +348,7 @@ void SmoothedRows::detect_jump(const Motion& motion) {
   filled_ = 1;
 }
 
-// That of the sample with the largest step of the position that its velocity does not explain.
+// Time of the sample with the largest step of the position that its velocity does not explain.
 double SmoothedRows::jump_time(int joint) const {
   if (!has_velocity_) return time_of(filled_ - reach_);
   Eigen::Index at = 0;

@@ -36,7 +36,7 @@ struct Blindness {
   double set_back = 0.0;
 };
 
-/// A clock whose seconds last `1 / factor` true ones.
+/// A wrong clock: it counts `factor` seconds in one true second.
 struct RowClock {
   double origin = 0.0;  ///< [s] at which both agree
   double factor = 1.0;

@@ -53,7 +53,7 @@ double duration_of(const VectorXd& time) {
 
 class Watch::Implementation {
  public:
-  /// What is wrong with the signals of rows from their beginning on.
+  /// Faults that the recorded signals have from the first row on.
   struct Signals {
     std::set<int> wrong_velocities;  ///< joints, from 0, whose velocity is no derivative of the position
     watching::RowClock clock;
@@ -183,7 +183,7 @@ class Watch::Implementation {
     return whole > 0.0 ? left / whole : kInfinity;
   }
 
-  // The steps of rows by themselves.
+  // Steps of recorded rows under an assumption about their clock and velocities, outside of the running watch.
   std::vector<Step> steps_of(const Recording& recorded, const Signals& signals) const {
     watching::SmoothedRows rows(arm_, numbers_);
     watching::Hypotheses hypotheses(arm_, options_.links, options_.step, numbers_);

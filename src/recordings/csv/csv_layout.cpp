@@ -108,7 +108,7 @@ void count_joints(const std::vector<ColumnName>& columns, const std::string& whe
   }
 }
 
-// The names of all columns that are given as "t,q,dq,tau".
+// The names of all columns from --columns, where "q" stands for q1 .. qn.
 std::vector<std::string> names_of_columns(const std::vector<std::string>& columns, std::size_t fields, const std::string& where) {
   const bool has_time = columns.front() == "t";
   for (auto name = columns.begin() + (has_time ? 1 : 0); name != columns.end(); ++name) {
