@@ -25,9 +25,6 @@ constexpr double kShapeMost = 0.8;   ///< share of a curve's mean square above w
 // Resolution.
 constexpr double kVibrationWaves = 3.0;  ///< fewest waves in a recording; fewer cannot be distinguished from drift
 constexpr double kVibrationStep = 0.25;  ///< step of the frequency grid, in waves of the longest recording
-constexpr std::size_t kMostPoses = 1000;  ///< largest number of poses at rest to which curves are fitted; of more, every second or third is used
-constexpr double kCurveWidth = 0.25;      ///< width of a curve's kernel, as a share of a position's range
-constexpr double kCurveRidges[] = {0.01, 0.1, 1.0, 10.0};  ///< noise relative to the curves, from nearly free to nearly flat curves
 constexpr int kCurvePoints = 41;         ///< points of a printed curve
 constexpr int kCurvePointsOfTwo = 9;     ///< points along each side of a printed surface
 constexpr int kWindows = 5;              ///< curves that represent a function of two signals

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "diagnosis/candidates.hpp"
 #include "diagnosis/load_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "diagnosis/load_numbers.hpp"
@@ -22,6 +23,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
+#include "veridyn/identification/rest_poses.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
@@ -32,21 +34,15 @@ using namespace loads;
 
 // The last frame of every link that moves; or only that of the link with the given frame, under its name.
 std::vector<int> places_of(const Model& arm, const std::string& link) {
+  std::vector<int> out;
   if (!link.empty()) {
     std::vector<std::string> names;
     for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-    const int wanted = arm.find_frame(link);
-    require(wanted >= 0, "--link: found '", link, "', expected the name of a frame", did_you_mean(link, names), ".");
-    return {wanted};
+    out = {arm.find_frame(link)};
+    require(out.front() >= 0, "--link: found '", link, "', expected the name of a frame", did_you_mean(link, names), ".");
+    return out;
   }
-  std::vector<int> out;
-  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const std::optional<FrameIndex> own = moving_frame(arm, FrameIndex{k});
-    if (!own) continue;
-    const auto same = std::find_if(out.begin(), out.end(), [&](int other) { return moving_frame(arm, FrameIndex{other}) == own; });
-    if (same == out.end()) out.push_back(k);
-    else *same = k;
-  }
+  for (const FrameIndex frame : payload_frames(arm)) out.push_back(frame.value);
   return out;
 }
 
@@ -322,6 +318,7 @@ struct Question {
   const Model& model;
   const std::string& link;
   const Thresholds& limits;
+  const VectorXd& band;  // (n) dry friction of unknown direction
 };
 
 // Names the joints that a load leaves unexplained: those that it acts on, and with --link the others.
@@ -373,6 +370,22 @@ double factor_of_torques(const Identification& start, const PayloadEstimate& loa
     by_load -= 2.0 * std::log(ratio);
   }
   return by_factor > 0.0 && by_factor >= tie * by_load ? factor : 0.0;
+}
+
+// Band of dry friction relative to the torque of each joint at rest. A joint without torque has no error.
+VectorXd share_of_band(const VectorXd& band, const Identification& start, VectorXd& error) {
+  VectorXd torque2 = VectorXd::Zero(band.size()), out = torque2;
+  double poses = 0.0;
+  for (const RecordingError& r : start.train) {
+    poses += static_cast<double>(r.series.time.size());
+    for (Eigen::Index i = 0; i < band.size(); ++i)
+      for (const double tau : r.series.measured[i]) torque2[i] += tau * tau;
+  }
+  for (Eigen::Index i = 0; i < band.size(); ++i) {
+    if (torque2[i] > kNoGravity * torque2.maxCoeff()) out[i] = band[i] / std::sqrt(torque2[i] / std::max(1.0, poses));
+    else error[i] = kNaN;
+  }
+  return out;
 }
 
 // Fits a load on every link to rows of the arm of arm_with_unknown_loads().
@@ -428,12 +441,34 @@ PayloadReport payload_report(const Question& q, const std::string& robot, const 
   out.error_before = start.train_error.relative;
   const std::vector<int> places = places_of(q.model, q.link);
   const Asked asked = arm_with_unknown_loads(q.model, places);
+  const VectorXd none = VectorXd::Zero(q.model.joints());
+  if (are_poses(options.preprocessing, recordings)) {
+    fit_loads(q, asked, places, compress_poses(asked.arm, recordings, options.preprocessing), 1.0, q.band, share_of_band(q.band, start, out.error_before), out);
+    return out;
+  }
   std::vector<CompressedRecording> factors = compress_all(asked.arm, recordings, options.preprocessing, options.threads);
   for (CompressedRecording& one : factors) merge_blocks(one, std::max(1, kMostClusters / static_cast<int>(factors.size())));
-  const VectorXd none = VectorXd::Zero(q.model.joints());
   fit_loads(q, asked, places, factors, kRowsPerSample, none, none, out);
   if (!out.links.empty()) out.torque_factor = factor_of_torques(start, out.links.front(), q.limits.tie);
   return out;
+}
+
+// Says what poses at rest cannot tell of a load.
+void remark_on_poses(const Model& model, double poses, const VectorXd& band, bool approached, PayloadReport& out) {
+  if (poses < kPosesPerUnknown * kUnknowns) {
+    for (PayloadEstimate& one : out.links) one.gain = kNaN;
+    out.remarks.push_back(fmt::format("Nothing is held out, for that takes {} poses, twice as many as a load has numbers (mass and centre), and {}", kPosesPerUnknown * kUnknowns, poses == 1.0 ? "this is one" : fmt::format("these are {}", poses)));
+  }
+  std::string bands;
+  for (int i = 0; i < model.joints(); ++i) {
+    if (band[i] > 0.0) bands += fmt::format("{}{} {:.2g} {}", bands.empty() ? "" : ", ", model.coordinates()[i].name, band[i], effort_unit(model.coordinates()[i]));
+  }
+  if (!bands.empty())
+    out.remarks.push_back("Dry friction holds a resting joint anywhere within a band, and the intervals count it: " + bands +
+                          " on either side. --approach, or columns dq1.. of -1, 0 and 1, tell the side");
+  else if (!approached)
+    out.remarks.push_back("The model has no dry friction, which holds a resting joint anywhere within a band: the intervals know of it "
+                          "only by the scatter of the poses");
 }
 
 // A torque that looks like a load may also come from wrong values of the model.
@@ -454,77 +489,33 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
   NamedRecordings<IdentificationOptions> named(loaded, {}, given);
   keep_recordings(named.how, KeptRecordings::kManyQuestions);
   const std::vector<std::string>& recordings = named.train;
+  const bool approached = named.poses && is_approached(named.how.preprocessing, recordings);
+  const Model model = named.poses ? with_effects_at_rest(given_model, approached) : given_model;
+  // Dry friction of unknown direction.
+  const VectorXd band = named.poses && !approached ? dry_friction(given_model) : VectorXd(VectorXd::Zero(model.joints()));
   PayloadReport out;
-  if (has_all_values(given_model)) {
-    out = payload_report({given_model, link, limits}, given_model.name(), recordings, named.how);
+  if (has_all_values(model)) {
+    out = payload_report({model, link, limits, band}, model.name(), recordings, named.how);
   } else {
     // Alternates between friction and load, because friction that is fitted without the load absorbs a part
     // of it.
-    Model cad = with_fitted_effects(given_model, recordings, named.how);
+    Model cad = with_fitted_effects(model, recordings, named.how);
     for (int turn = 0; turn < kTurns; ++turn) {
-      out = payload_report({cad, link, limits}, given_model.name(), recordings, named.how);
+      out = payload_report({cad, link, limits, band}, model.name(), recordings, named.how);
       if (out.links.empty() || turn + 1 == kTurns) break;
-      const Model loaded_arm = with_fitted_effects(with_load(given_model, out.links.front()), recordings, named.how);
+      const Model loaded_arm = with_fitted_effects(with_load(model, out.links.front()), recordings, named.how);
       cad = with_effects_of(cad, loaded_arm);
     }
   }
+  double poses = 0.0;
+  for (const std::string& name : recordings) poses += named.poses ? find_in_memory(named.how.preprocessing.in_memory, name)->rows() : 0.0;
+  if (named.poses) remark_on_poses(model, poses, band, approached, out);
   remark_on_values(given_model, out);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
 
-PayloadReport find_payload_at_rest(const Model& given, const std::vector<RestPoses>& loaded, const std::string& link,
-                                   const Thresholds& limits) {
-  const auto begin = std::chrono::steady_clock::now();
-  require(given.inertial_values().has_value(), "payload: robot '", given.name(),
-          "' has no values; expected a MODEL that identify or diagnose wrote, or bodies of a CAD model.");
-  const bool approached = std::any_of(loaded.begin(), loaded.end(), [](const RestPoses& p) { return (p.approach.array() != 0.0).any(); });
-  const Model model = with_effects_at_rest(given, approached);
-  PayloadReport out;
-  out.smallest_gain = limits.smallest_change;
-  out.robot = given.name();
-  const std::vector<int> places = places_of(model, link);
-  const Asked asked = arm_with_unknown_loads(model, places);
-  std::vector<CompressedRecording> factors;
-  VectorXd torque2 = VectorXd::Zero(model.joints()), left2 = torque2;
-  for (const RestPoses& poses : loaded) {
-    factors.push_back(compress(asked.arm, poses));
-    torque2 += poses.tau.cwiseAbs2().colwise().sum().transpose();
-    for (const auto& block : factors.back().blocks) {
-      for (int i = 0; i < model.joints(); ++i) left2[i] += block[static_cast<size_t>(i)].rhs_norm2();
-    }
-  }
-  out.error_before = (left2.array() / torque2.array()).sqrt();
-  const VectorXd band = approached ? VectorXd(VectorXd::Zero(model.joints())) : dry_friction(given);
-  double poses = 0.0;
-  for (const RestPoses& one : loaded) poses += static_cast<double>(one.poses());
-  VectorXd share = VectorXd::Zero(model.joints());
-  for (int i = 0; i < model.joints(); ++i) {
-    if (torque2[i] > kNoGravity * torque2.maxCoeff()) share[i] = band[i] / std::sqrt(torque2[i] / std::max(1.0, poses));
-    else out.error_before[i] = kNaN;
-  }
-  fit_loads({model, link, limits}, asked, places, factors, 1.0, band, share, out);
-  if (poses < kPosesPerUnknown * kUnknowns) {
-    for (PayloadEstimate& one : out.links) one.gain = kNaN;
-    out.remarks.push_back(fmt::format("Nothing is held out, for that takes {} poses, twice as many as a load has numbers (mass and centre), and {}", kPosesPerUnknown * kUnknowns, poses == 1.0 ? "this is one" : fmt::format("these are {}", poses)));
-  }
-  std::string bands;
-  for (int i = 0; i < model.joints(); ++i) {
-    if (band[i] > 0.0) bands += fmt::format("{}{} {:.2g} {}", bands.empty() ? "" : ", ", model.coordinates()[i].name, band[i], effort_unit(model.coordinates()[i]));
-  }
-  if (!bands.empty())
-    out.remarks.push_back("Dry friction holds a resting joint anywhere within a band, and the intervals count it: " + bands +
-                          " on either side. --approach, or columns dq1.. of -1, 0 and 1, tell the side");
-  else if (!approached)
-    out.remarks.push_back("The model has no dry friction, which holds a resting joint anywhere within a band: the intervals know of it "
-                          "only by the scatter of the poses");
-  remark_on_values(given, out);
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return out;
-}
-
 namespace {
-
 
 bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
 

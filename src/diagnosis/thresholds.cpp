@@ -11,8 +11,8 @@ const std::vector<ThresholdEntry>& threshold_table() {
   using T = Thresholds;
   static const std::vector<ThresholdEntry> kTable = {
       {"smallest_gain", &T::smallest_gain,
-       "mean over folds of the fall of sum_j ln(held-out mean square) > smallest_gain: at rest, a cause; else a velocity "
-       "derived from its position",
+       "mean over folds of the fall of sum_j ln(held-out mean square) > smallest_gain: a velocity is derived from its "
+       "position",
        "0.03 alone left 0.22 false names per diagnosis under periodic noise; a little above it, with "
        "the test of significance beside it"},
       {"smallest_change", &T::smallest_change,
@@ -22,15 +22,8 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"significance", &T::significance,
        "p < significance / number of causes or parameters that are compared",
        "the family-wise error rate of one diagnosis in twenty"},
-      {"tie", &T::tie, "gain > tie * best gain: the earlier cause at rest, the link nearest to a load",
+      {"tie", &T::tie, "gain > tie * best gain: the link nearest to a load",
        "gains that differ by less are equal within the scatter between folds"},
-      {"new_share", &T::new_share,
-       "share of a column's square that the others do not span > new_share",
-       "below it the data cannot answer: half of the digits of a double"},
-      {"fewest_folds", &T::fewest_folds,
-       "held-out parts >= fewest_folds: one of them may disagree; recordings are divided into so many, a single "
-       "one into twice as many",
-       "a recording can have a fault of its own; one of three is no exception"},
       {"held_out_worse", &T::held_out_worse,
        "error after > (1 + held_out_worse) * error before: the extended model is worse on this joint",
        "errors of a joint that a finding does not concern move by a percent of themselves"},
@@ -42,8 +35,7 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "has the wrong sign",
        "friction is positive in any sound recording (an argument, not measured)"},
       {"unnamed_share", &T::unnamed_share,
-       "share of the residual's mean square that smooth terms predict on held-out poses, or a vibration takes on held-out "
-       "recordings > unnamed_share: it is said",
+       "share of the residual's mean square that a vibration takes on held-out recordings > unnamed_share: it is said",
        "a tenth of the residual's size: less is what filters and small wrong shapes leave"},
       {"line_of_motion", &T::line_of_motion,
        "share of a line in a signal of the motion > line_of_motion * that in the residual: it is no vibration",

@@ -336,7 +336,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[k] == 0) continue;
       for (int i = 0; i < n; ++i) {
-        const double slow = identifying::kMovingShare * joints[i].largest_speed;
+        const double slow = std::max(kRestSpeed, identifying::kMovingShare * joints[i].largest_speed);
         const MovingSample moves =
             std::abs(s.dq(k, i)) > slow ? MovingSample::kYes : MovingSample::kNo;
         sums.add(i, p.measured(k, i), p.modelled(k, i), moves);
@@ -412,12 +412,12 @@ void ErrorSums::add(int i, double measured, double modelled, MovingSample moves)
 }
 
 PredictionError ErrorSums::error() const {
-  // A joint without torque has no relative error.
+  // A joint without torque has no relative error; where no joint moves there is no error of moving samples.
   const auto ratio = [](const VectorXd& a, const VectorXd& b) {
     return VectorXd(a.binaryExpr(b, [](double of, double to) { return of == 0.0 ? 0.0 : of / to; }));
   };
   return {ratio(error2, torque2).cwiseSqrt(), ratio(error_max, torque_max),
-          ratio(moving_error2, moving_torque2).cwiseSqrt()};
+          moving_torque2.isZero(0.0) ? VectorXd() : VectorXd(ratio(moving_error2, moving_torque2).cwiseSqrt())};
 }
 
 ErrorSums prediction_error(const Model& arm, const std::string& path,

@@ -335,6 +335,7 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
                               const std::vector<std::string>& test,
                               const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
+  if (are_poses(options.preprocessing, train)) return identify_at_rest(arm, train, test, options);
   if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options);
   return identify_compressed(arm, {}, train, test, options);
 }

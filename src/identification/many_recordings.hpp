@@ -68,6 +68,17 @@ void store_training_error(Identification& id);
 void require_factors_of(const Model& arm, const FactorSet& factors,
                         const PreprocessingOptions& how);
 
+/// True if the direction is known from which some joint came to rest.
+/// @param poses  names of recordings of poses in memory.
+bool is_approached(const PreprocessingOptions& how, const std::vector<std::string>& poses);
+
+/// compress_all() of poses, as few blocks.
+std::vector<CompressedRecording> compress_poses(const Model& arm, const std::vector<std::string>& poses, const PreprocessingOptions& how);
+
+/// identify() from poses in memory.
+Identification identify_at_rest(const Model& file, const std::vector<std::string>& train,
+                                const std::vector<std::string>& test, const IdentificationOptions& options);
+
 /// True if the file has the header of a factor file.
 bool is_factor_file(const std::string& path);
 

@@ -26,41 +26,32 @@ bool are_signs(const MatrixXd& m) {
   return (m.array() == 0.0 || m.array().abs() == 1.0 || m.array().isNaN()).all();
 }
 
-// True torques and positions from the recorded ones, with the errors of the sensors removed; rows with gaps
-// are dropped.
-Recording corrected(const Model& arm, const Recording& r) {
+// The rows with finite positions and torques, or currents where there are no torques.
+Recording without_gaps(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   require(r.joints() == n, r.source, ": found ", r.joints(), " joints, expected the ", n, " of robot '",
           arm.name(), "'.");
-  const JointSensors sensors(arm);
   const bool torques = r.tau.size() > 0;
   require(torques || r.current.size() > 0, r.source, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");
-  if (!torques) sensors.require_drive_gains(arm, r.source);
-  Recording out = r;
-  Eigen::Index kept = 0;
-  out.tau.resize(r.rows(), n);
+  if (!torques) JointSensors(arm).require_drive_gains(arm, r.source);
+  std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < r.rows(); ++k) {
-    VectorXd q = r.q.row(k).transpose();
-    VectorXd tau = (torques ? r.tau : r.current).row(k).transpose();
-    if (!q.allFinite() || !tau.allFinite()) continue;
-    sensors.correct_positions(q);
-    torques ? sensors.correct_torques(tau) : sensors.correct_currents(tau);
-    out.time[kept] = r.time[k];
-    out.q.row(kept) = q.transpose();
-    out.tau.row(kept) = tau.transpose();
-    if (r.dq.size() > 0) out.dq.row(kept) = r.dq.row(k);
-    ++kept;
+    if (r.q.row(k).allFinite() && (torques ? r.tau : r.current).row(k).allFinite()) kept.push_back(k);
   }
-  require(kept > 0, r.source, ": found no row with finite positions and torques.");
-  Recording rows = rows_of(out, 0, static_cast<int>(kept));
-  rows.source = r.source;
-  return rows;
+  require(!kept.empty(), r.source, ": found no row with finite positions and torques.");
+  Recording out;
+  out.time = r.time(kept);
+  for (const RecordingSignal& signal : {kRecordingSignals[0], kRecordingSignals[1], kRecordingSignals[torques ? 3 : 4]}) {
+    const MatrixXd& values = r.*signal.values;
+    if (values.size() > 0) out.*signal.values = values(kept, Eigen::all);
+  }
+  return out;
 }
 
 // One pose for each segment without motion. A missing velocity does not count as rest. Where rows were
 // excluded, or recordings joined, another position begins another pose with an unknown approach.
-RestPoses poses_between_motions(const Model& arm, const Recording& r) {
+Recording poses_between_motions(const Model& arm, const Recording& r) {
   const int n = arm.joints();
   const auto still = [&](int j) {
     return arm.coordinates()[j].prismatic ? identifying::numbers.still_sliding : identifying::numbers.still_turning;
@@ -69,8 +60,8 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r) {
     const double travel = arm.coordinates()[j].prismatic ? identifying::numbers.still_prismatic : identifying::numbers.still_revolute;
     return std::abs(r.q(k, j) - r.q(k - 1, j)) > travel;
   };
-  RestPoses out;
-  out.source = r.source;
+  const MatrixXd& torque = r.tau.size() > 0 ? r.tau : r.current;
+  Recording out;
   Eigen::RowVectorXd last = Eigen::RowVectorXd::Zero(n);
   std::vector<Eigen::RowVectorXd> q, tau, approach;
   Eigen::Index first = 0;
@@ -79,7 +70,7 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r) {
     first = next;
     if (count < identifying::numbers.fewest_rows) return;
     q.emplace_back(r.q.middleRows(k - count, count).colwise().mean());
-    tau.emplace_back(r.tau.middleRows(k - count, count).colwise().mean());
+    tau.emplace_back(torque.middleRows(k - count, count).colwise().mean());
     approach.push_back(last);
   };
   for (Eigen::Index k = 0; k < r.rows(); ++k) {
@@ -101,32 +92,32 @@ RestPoses poses_between_motions(const Model& arm, const Recording& r) {
   end_at(r.rows(), r.rows());
   const auto rows = static_cast<Eigen::Index>(q.size());
   out.q.resize(rows, n);
-  out.tau.resize(rows, n);
-  out.approach.resize(rows, n);
+  out.dq.resize(rows, n);
+  MatrixXd& held = r.tau.size() > 0 ? out.tau : out.current;
+  held.resize(rows, n);
   for (Eigen::Index k = 0; k < rows; ++k) {
     out.q.row(k) = q[k];
-    out.tau.row(k) = tau[k];
-    out.approach.row(k) = approach[k];
+    held.row(k) = tau[k];
+    out.dq.row(k) = approach[k];
   }
   return out;
 }
 
 }  // namespace
 
-RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
+Recording read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
                           std::optional<double> approach) {
   const Recording* there = find_in_memory(how.in_memory, path);
-  Recording r = corrected(arm, there != nullptr ? *there : read_recording(path, reading_poses(arm, how, 1.0)));
-  r.source = path;
-  RestPoses out;
-  if (r.dq.size() == 0 || all_zero(r.dq) || are_signs(r.dq)) {
-    out = {path, r.q, r.tau, r.dq.size() > 0 ? r.dq : MatrixXd::Zero(r.rows(), arm.joints())};
-    out.approach = out.approach.array().isNaN().select(0.0, out.approach);
-  } else {
-    out = poses_between_motions(arm, r);
-  }
-  require(out.poses() > 0, path, ": found no moment at which all joints rest, expected poses at rest.");
-  if (approach) out.approach.setConstant(*approach);
+  Recording out = without_gaps(arm, there != nullptr ? *there : read_recording(path, reading_poses(arm, how, 1.0)));
+  if (out.dq.size() == 0) out.dq = MatrixXd::Zero(out.rows(), arm.joints());
+  if (!all_zero(out.dq) && !are_signs(out.dq)) out = poses_between_motions(arm, out);
+  const auto poses = out.q.rows();
+  require(poses > 0, path, ": found no moment at which all joints rest, expected poses at rest.");
+  out.source = path;
+  out.poses = true;
+  out.time = VectorXd::LinSpaced(poses, 0.0, static_cast<double>(poses - 1));
+  out.dq = out.dq.array().isNaN().select(0.0, out.dq);
+  if (approach) out.dq.setConstant(*approach);
   return out;
 }
 

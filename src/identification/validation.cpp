@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <unordered_map>
@@ -13,6 +14,7 @@
 #include "identification/recording_passes.hpp"
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
+#include "model/noise_unit.hpp"
 #include "veridyn/math/numbers.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
@@ -53,6 +55,30 @@ ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
   out.noise_floor = recording.noise_floor;
   out.period = recording.period.seconds;
   return sums;
+}
+
+// Rms residuals of the fitted rows.
+VectorXd rms_residuals(const Model& arm, const Identification& id) {
+  VectorXd squares = VectorXd::Zero(arm.joints());
+  VectorXd rows = squares;
+  for (const CompressedRecording& r : id.factors) {
+    RecordingError unused;
+    squares += factor_errors(arm, r, id.parameters, unused).error2;
+    for (const auto& block : r.blocks) {
+      for (size_t i = 0; i < block.size(); ++i) rows[static_cast<Eigen::Index>(i)] += block[i].rows();
+    }
+  }
+  return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
+}
+
+// Factor for residuals with a longer correlation time: it converts them to equivalent residuals with one
+// independent sample in kNoiseSeconds. Noise that is held for T seconds (a zero-order hold), with a column
+// that oscillates at f hertz, gives sqrt(T / kNoiseSeconds) |sinc(pi f T)|.
+double correlation_inflation(const Model& arm, const Identification& id) {
+  double seconds = 0.0;
+  for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
+  if (!(id.effective_samples > 0.0)) return 1.0;
+  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kNoiseSeconds));
 }
 
 bool any_has(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
@@ -298,6 +324,13 @@ void validate(const Model& arm, const std::vector<std::string>& test, const Iden
 void validate(const Model& arm, const std::vector<std::string>& test, const IdentificationOptions& options,
               Identification& id) {
   validate(arm, test, options, RecordingPasses(), id);
+}
+
+void store_training_error(Identification& id) {
+  ModelDescription description = id.model->description();
+  description.identified->error = id.train_error.relative;
+  description.identified->noise = rms_residuals(*id.model, id) * correlation_inflation(*id.model, id);
+  id.model = Model(std::move(description));
 }
 
 bool has_all_values(const Model& arm) {

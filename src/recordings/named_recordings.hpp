@@ -9,12 +9,20 @@
 
 namespace veridyn {
 
+/// True if all of these recordings are poses at rest.
+/// @throws InvalidInput  some are and some are not.
+bool are_poses(const PreprocessingOptions& how, const std::vector<std::string>& names);
+
+/// Changes options so that they leave poses at rest as they are.
+void keep_poses(const std::vector<std::string>& names, PreprocessingOptions& how);
+
 /// Names of the recordings of a call; those in memory are stored in the options' `in_memory`, which both
-/// lists of recordings share.
+/// lists of recordings share. The options of poses at rest leave these as they are.
 template <typename Options>
 struct NamedRecordings {
   std::vector<std::string> train, test;
   Options how;
+  bool poses = false;  ///< all recordings are poses at rest
 
   NamedRecordings(const Recordings& train_list, const Recordings& test_list, const Options& options)
       : how(options) {
@@ -22,6 +30,12 @@ struct NamedRecordings {
     test = test_list.register_in(how.preprocessing.in_memory);
     if (how.test_preprocessing)
       how.test_preprocessing->in_memory = how.preprocessing.in_memory;
+    std::vector<std::string> all = train;
+    all.insert(all.end(), test.begin(), test.end());
+    poses = are_poses(how.preprocessing, all);
+    if (!poses) return;
+    how.test_preprocessing.reset();
+    keep_poses(all, how.preprocessing);
   }
 };
 

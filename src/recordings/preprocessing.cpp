@@ -10,6 +10,7 @@
 #include "recordings/same_recording.hpp"
 #include "recordings/signals/units.hpp"
 #include "recordings/uniform_stream.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/zero_phase_filter.hpp"
 
@@ -176,11 +177,41 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   return facts;
 }
 
+// Every pose at rest is a segment of its own, because neighbouring rows are not neighbours in time.
+PreparationFacts for_each_pose(const Model& arm, const Recording& poses, const std::function<void(const Segment&)>& visit) {
+  const int n = arm.joints();
+  require(poses.joints() == n && poses.dq.cols() == n && (poses.tau.cols() == n || poses.current.cols() == n) && poses.rows() > 0, poses.source,
+          ": found ", poses.rows(), " poses of ", poses.joints(), " joints, expected poses of the ", n, " of robot '", arm.name(), "' with their torques.");
+  require(poses.q.allFinite() && poses.dq.allFinite() && poses.tau.allFinite() && poses.current.allFinite(), poses.source,
+          ": found a pose with a number that is not finite, expected poses at rest.");
+  const JointSensors sensors(arm);
+  Segment s;
+  s.dt = 1.0;
+  s.use = {1};
+  s.core_end = 1;
+  s.ddq = MatrixXd::Zero(1, arm.joints());
+  for (int k = 0; k < poses.rows(); ++k) {
+    VectorXd q = poses.q.row(k).transpose(), tau = (poses.tau.size() > 0 ? poses.tau : poses.current).row(k).transpose();
+    sensors.correct_positions(q);
+    poses.tau.size() > 0 ? sensors.correct_torques(tau) : sensors.correct_currents(tau);
+    s.time = VectorXd::Constant(1, poses.time[k]);
+    s.q = q.transpose();
+    s.dq = kRestSpeed * poses.dq.row(k);
+    s.tau = tau.transpose();
+    visit(s);
+  }
+  PreparationFacts facts;
+  facts.dt = s.dt;
+  facts.samples = facts.rows_read = poses.rows();
+  return facts;
+}
+
 // Visits the stretches of a recording in memory, under the name that options and messages use.
 PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
                                      const Recording& recording,
                                      const PreprocessingOptions& options,
                                      const std::function<void(const Segment&)>& visit) {
+  if (recording.poses) return for_each_pose(arm, recording, visit);
   int at = 0;
   const auto source = [&](int rows) {
     const int count = std::min(rows, recording.rows() - at);

@@ -35,6 +35,7 @@ std::string header_of(const Recording& recording) {
 Recording rows_of(const Recording& recording, int first, int count) {
   Recording part;
   part.source = recording.source;
+  part.poses = recording.poses;
   part.time = recording.time.segment(first, count);
   for (const RecordingSignal& signal : kRecordingSignals) {
     const MatrixXd& values = recording.*signal.values;

@@ -1,5 +1,8 @@
 #include "veridyn/recordings/recording_list.hpp"
 
+#include <algorithm>
+
+#include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -55,6 +58,26 @@ std::vector<std::string> Recordings::register_in(RecordingsInMemory& memory) con
 const Recording* find_in_memory(const RecordingsInMemory& memory, const std::string& name) {
   const auto found = memory.find(name);
   return found == memory.end() ? nullptr : found->second.get();
+}
+
+bool are_poses(const PreprocessingOptions& how, const std::vector<std::string>& names) {
+  const auto is_table = [&how](const std::string& name) {
+    const Recording* there = find_in_memory(how.in_memory, name);
+    return there != nullptr && there->poses;
+  };
+  const auto other = std::find_if_not(names.begin(), names.end(), is_table);
+  if (other == names.end()) return !names.empty();
+  require(std::none_of(names.begin(), names.end(), is_table), *other, ": found a motion beside poses at rest, expected either.");
+  return false;
+}
+
+void keep_poses(const std::vector<std::string>& names, PreprocessingOptions& how) {
+  how.cutoff = how.drop_start = how.drop_end = how.min_speed = 0.0;
+  how.filtering = Filtering::kSignals;
+  how.decimation = 1;
+  how.first_row = 0;
+  how.row_count.reset();
+  for (const std::string& name : names) how.known_periods[name] = 0.0;
 }
 
 }  // namespace veridyn

@@ -1,4 +1,5 @@
 #include "support/simulated.hpp"
+#include "veridyn/identification/rest_poses.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
 #include <gtest/gtest.h>
@@ -219,11 +220,13 @@ TEST_F(Payload, PosesAtRestDetermineALoadWithinTheirFriction) {
   const std::string last = arm_.frames().back().name;
   const Model loaded = with_point(arm_, last, 1.5, {0.05, -0.02, 0.08});
   const VectorXd friction = dry_friction(arm_);
-  RestPoses poses;
+  Recording poses;
   poses.source = "poses";
+  poses.poses = true;
+  poses.time = VectorXd::LinSpaced(24, 0.0, 23.0);
   Random random(4);
   poses.q = MatrixXd(24, 6);
-  poses.tau = poses.approach = MatrixXd::Zero(24, 6);
+  poses.tau = poses.dq = MatrixXd::Zero(24, 6);
   RigidBodyDynamics dynamics(loaded, *loaded.inertial_values());
   for (Eigen::Index k = 0; k < 24; ++k) {
     const VectorXd q = random.vector(6, -1.5, 1.5), still = VectorXd::Zero(6);
@@ -232,7 +235,7 @@ TEST_F(Payload, PosesAtRestDetermineALoadWithinTheirFriction) {
     poses.q.row(k) = q.transpose();
     for (int i = 0; i < 6; ++i) poses.tau(k, i) = tau[i] + held_torque(arm_, i, q) + friction[i] * random.vector(1, -1.0, 1.0)[0];
   }
-  const PayloadReport report = find_payload_at_rest(arm_, {poses}, last);
+  const PayloadReport report = find_payload(arm_, {poses}, {}, last);
   ASSERT_EQ(report.links.size(), 1U) << report.reason;
   const PayloadEstimate& load = report.links[0];
   EXPECT_LE(load.mass_low, 1.5) << report.report();
@@ -240,15 +243,15 @@ TEST_F(Payload, PosesAtRestDetermineALoadWithinTheirFriction) {
   EXPECT_NE(report.report().find("Dry friction holds a resting joint"), std::string::npos) << report.report();
   ModelDescription d = arm_.description();
   d.effects.clear();
-  poses.approach.setZero();
+  poses.dq.setZero();
   const Model frictionless(d);
-  RestPoses clean = poses;
+  Recording clean = poses;
   for (Eigen::Index k = 0; k < 24; ++k) {
     VectorXd tau(6);
     dynamics.inverse_dynamics(poses.q.row(k).transpose(), VectorXd(VectorXd::Zero(6)), VectorXd(VectorXd::Zero(6)), tau);
     clean.tau.row(k) = tau.transpose();
   }
-  const PayloadReport sure = find_payload_at_rest(frictionless, {clean}, last);
+  const PayloadReport sure = find_payload(frictionless, {clean}, {}, last);
   ASSERT_TRUE(sure.found()) << sure.report();
   EXPECT_NEAR(sure.links[0].mass, 1.5, 0.01) << sure.report();
   EXPECT_LT(sure.links[0].mass_high - sure.links[0].mass_low, load.mass_high - load.mass_low);
@@ -344,10 +347,12 @@ TEST_F(Payload, FewPosesHoldNothingOutAndAJointWithoutTorqueHasNoError) {
   RigidBodyDynamics dynamics(loaded, *loaded.inertial_values());
   for (const Eigen::Index count : {5, 8}) {
     Random random(4);
-    RestPoses poses;
+    Recording poses;
     poses.source = "poses";
+    poses.poses = true;
+    poses.time = VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1));
     poses.q = MatrixXd(count, 6);
-    poses.tau = poses.approach = MatrixXd::Zero(count, 6);
+    poses.tau = poses.dq = MatrixXd::Zero(count, 6);
     for (Eigen::Index k = 0; k < count; ++k) {
       const VectorXd q = random.vector(6, -1.5, 1.5), still = VectorXd::Zero(6);
       VectorXd tau(6);
@@ -355,7 +360,7 @@ TEST_F(Payload, FewPosesHoldNothingOutAndAJointWithoutTorqueHasNoError) {
       poses.q.row(k) = q.transpose();
       poses.tau.row(k) = tau.transpose();
     }
-    const PayloadReport report = find_payload_at_rest(bare, {poses});
+    const PayloadReport report = find_payload(bare, {poses});
     ASSERT_FALSE(report.links.empty());
     EXPECT_TRUE(std::isnan(report.error_before[0])) << report.report();
     EXPECT_TRUE(report.error_before.tail(5).allFinite()) << report.report();

@@ -1,4 +1,4 @@
-#include "veridyn/diagnosis/rest_diagnosis.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,19 +17,21 @@ constexpr double kStiffness = 1.5;   // [N m/rad] of a cable on the pitch joint
 constexpr double kFriction = 0.05;   // [N m], [N] on the side that a joint came from
 constexpr double kNoise = 0.01;
 
-RestPoses hanging_poses(unsigned seed, double stiffness, bool pitch_moves = true) {
+Recording hanging_poses(unsigned seed, double stiffness, bool pitch_moves = true) {
   const Model truth = plausible_model(read_model("psm-3dof"), 3).arm;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> share(-0.9, 0.9);
   std::normal_distribution<double> error(0.0, kNoise);
   RigidBodyDynamics bodies(truth, *truth.inertial_values());
-  RestPoses out;
+  Recording out;
+  out.poses = true;
+  out.time = VectorXd::LinSpaced(80, 0.0, 79.0);
   out.source = "poses" + std::to_string(seed);
   out.q.resize(80, 3);
   out.tau.resize(80, 3);
-  out.approach.setZero(80, 3);
+  out.dq.setZero(80, 3);
   VectorXd g(3);
-  for (Eigen::Index k = 0; k < out.poses(); ++k) {
+  for (Eigen::Index k = 0; k < out.q.rows(); ++k) {
     const Eigen::Vector3d q(share(random), pitch_moves ? 0.6 * share(random) : 0.2, 0.12 + 0.06 * share(random));
     bodies.gravity_torques(q, g);
     g[1] += stiffness * std::abs(q[1]);
@@ -41,7 +43,7 @@ RestPoses hanging_poses(unsigned seed, double stiffness, bool pitch_moves = true
 }
 
 Diagnosis of_poses(double stiffness, bool pitch_moves = true) {
-  return diagnose_at_rest(read_model("psm-3dof"),
+  return diagnose(read_model("psm-3dof"),
                           {hanging_poses(1, stiffness, pitch_moves), hanging_poses(2, stiffness, pitch_moves)},
                           {hanging_poses(3, stiffness, pitch_moves)});
 }
@@ -73,11 +75,11 @@ TEST(DiagnosisAtRest, TestsNothingOnAJointThatDoesNotMove) {
 
 // The verdict says that other causes were not tested.
 TEST(DiagnosisAtRest, TestsOnlyTheGivenCauses) {
-  const std::vector<RestPoses> train = {hanging_poses(1, kStiffness), hanging_poses(2, kStiffness)};
+  const std::vector<Recording> train = {hanging_poses(1, kStiffness), hanging_poses(2, kStiffness)};
   const auto asked = [&train](const std::string& cause) {
     DiagnosisOptions options;
     options.effects = {cause};
-    return diagnose_at_rest(read_model("psm-3dof"), train, {hanging_poses(3, kStiffness)}, options);
+    return diagnose(read_model("psm-3dof"), train, {hanging_poses(3, kStiffness)}, options);
   };
   EXPECT_EQ(asked("position_force:yaw").hypotheses, 1);
   const Diagnosis pitch = asked("position_force:2");
@@ -92,13 +94,13 @@ TEST(DiagnosisAtRest, TestsOnlyTheGivenCauses) {
 }
 
 TEST(DiagnosisAtRest, CannotTellAboutAJointWithoutAHeldOutError) {
-  const std::vector<RestPoses> train = {hanging_poses(1, 0.0), hanging_poses(2, 0.0)};
-  const Diagnosis nothing_held_out = diagnose_at_rest(read_model("psm-3dof"), train, {});
+  const std::vector<Recording> train = {hanging_poses(1, 0.0), hanging_poses(2, 0.0)};
+  const Diagnosis nothing_held_out = diagnose(read_model("psm-3dof"), train, {});
   ASSERT_EQ(nothing_held_out.joints.size(), 3U);
   EXPECT_EQ(nothing_held_out.verdict(), "no cause was found; joints without a held-out error: 1, 2, 3");
-  RestPoses test = hanging_poses(3, 0.0);
+  Recording test = hanging_poses(3, 0.0);
   test.tau.col(2).setZero();
-  const Diagnosis without_torque = diagnose_at_rest(read_model("psm-3dof"), train, {test});
+  const Diagnosis without_torque = diagnose(read_model("psm-3dof"), train, {test});
   EXPECT_EQ(without_torque.verdict(), "no cause was found; joints without a held-out error: 3") << without_torque.report();
   EXPECT_NE(without_torque.report().find("its torque is zero throughout"), std::string::npos) << without_torque.report();
 }

@@ -14,7 +14,6 @@
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
 #include "identification/base_solution.hpp"
-#include "identification/fold_errors.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/zero_phase_filter.hpp"
@@ -498,31 +497,6 @@ TEST(Errors, AreThoseOfTheFittedModelOnEachRecording) {
   EXPECT_TRUE(std::is_sorted(progress.begin(), progress.end()));
   EXPECT_EQ(progress.back(), 1.0);
   for (const std::string& path : {train[0], train[1], test[0]}) std::filesystem::remove(path);
-}
-
-// The elbow moves in the last of four recordings alone. Without it the others say nothing of the elbow's friction,
-// which then keeps its value: noise-free, the recording is predicted as it was fitted.
-TEST(HeldOutFits, KeepParametersThatOtherPartsDoNotDetermine) {
-  const Model arm = robot("planar-2r");
-  std::vector<Recording> all;
-  for (unsigned k = 0; k < 4; ++k) {
-    MotionShape shape = lasting(20.0);
-    shape.seed = 20 + k;
-    MatrixXd ddq;
-    Recording r = sines(arm, shape, ddq);
-    if (k < 3) {
-      r.q.col(1).setConstant(0.4 * k);
-      r.dq.col(1).setZero();
-      ddq.col(1).setZero();
-    }
-    r.tau = torques(arm, r, ddq);
-    all.push_back(std::move(r));
-  }
-  const Identification id = identify(arm, {all[0], all[1], all[2], all[3]});
-  ASSERT_TRUE(id.model);
-  const FoldErrors folds = fold_errors(id, {}, {4, 1e-6});
-  ASSERT_EQ(folds.error2.rows(), 4);
-  EXPECT_LT(folds.error2(3, 1), 1e-4 * folds.torque2[1]);  // one per cent of the torque
 }
 
 TEST(TheReport, NamesStatusErrorsAndBaseParameters) {

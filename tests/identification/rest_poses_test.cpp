@@ -29,31 +29,33 @@ class Resting : public testing::Test {
 
   // Poses at random; the torque is that of gravity, of an offset and of friction on the side that the
   // joint came from.
-  RestPoses poses(unsigned seed, int count, double noise = 0.01) const {
+  Recording poses(unsigned seed, int count, double noise = 0.01) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> share(-0.9, 0.9);
     std::normal_distribution<double> error(0.0, noise);
     RigidBodyDynamics bodies(truth_, *truth_.inertial_values());
-    RestPoses out;
+    Recording out;
     out.source = "poses" + std::to_string(seed);
+    out.poses = true;
+    out.time = VectorXd::LinSpaced(count, 0.0, count - 1.0);
     out.q.resize(count, 3);
     out.tau.resize(count, 3);
-    out.approach.resize(count, 3);
+    out.dq.resize(count, 3);
     VectorXd g(3);
     for (int k = 0; k < count; ++k) {
       const Eigen::Vector3d q(share(random), 0.6 * share(random), 0.12 + 0.06 * share(random));
       bodies.gravity_torques(q, g);
       out.q.row(k) = q.transpose();
       for (int i = 0; i < 3; ++i) {
-        out.approach(k, i) = random() % 2 == 0 ? 1.0 : -1.0;
-        out.tau(k, i) = g[i] + kOffset[i] + kLevel[i] * out.approach(k, i) + error(random);
+        out.dq(k, i) = random() % 2 == 0 ? 1.0 : -1.0;
+        out.tau(k, i) = g[i] + kOffset[i] + kLevel[i] * out.dq(k, i) + error(random);
       }
     }
     return out;
   }
 
-  static RestPoses without_approach(RestPoses p) {
-    p.approach.setZero();
+  static Recording without_approach(Recording p) {
+    p.dq.setZero();
     return p;
   }
 
@@ -70,7 +72,7 @@ double coulomb_of(const Model& arm, int joint) {
 
 // Friction is as large as a joint's torque here, and is told from gravity by the sides of the approach.
 TEST_F(Resting, KnownApproachesSeparateGravityAndDryFriction) {
-  const Identification id = identify_at_rest(read_model("psm-3dof"), {poses(1, 60), poses(2, 60)}, {poses(3, 40)});
+  const Identification id = identify(read_model("psm-3dof"), {poses(1, 60), poses(2, 60)}, {poses(3, 40)});
   ASSERT_TRUE(id.model.has_value()) << id.reason;
   EXPECT_TRUE(id.feasible);
   for (int i = 0; i < 3; ++i) {
@@ -121,7 +123,7 @@ TEST_F(Resting, AMotionWithVelocitiesOfZeroIsNoTableOfPoses) {
 
 // Without it, no level is made up: the band says how far friction spreads the torques.
 TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
-  const Identification id = identify_at_rest(read_model("psm-3dof"), {without_approach(poses(1, 200))});
+  const Identification id = identify(read_model("psm-3dof"), {without_approach(poses(1, 200))});
   ASSERT_TRUE(id.model.has_value()) << id.reason;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(coulomb_of(*id.model, i), 0.0);
   ASSERT_FALSE(id.remarks.empty());
@@ -139,7 +141,12 @@ TEST(RestingScara, UnobservedLinksStayNearTheInitialSolidSpheres) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> share(0.1, 0.9);
   std::normal_distribution<double> error(0.0, 0.01);
-  RestPoses poses{"poses", MatrixXd(40, 4), MatrixXd(40, 4), MatrixXd::Zero(40, 4)};
+  Recording poses;
+  poses.source = "poses";
+  poses.poses = true;
+  poses.time = VectorXd::LinSpaced(40, 0.0, 39.0);
+  poses.q = poses.tau = MatrixXd(40, 4);
+  poses.dq = MatrixXd::Zero(40, 4);
   VectorXd g(4);
   for (int k = 0; k < 40; ++k) {
     for (int i = 0; i < 4; ++i) {
@@ -149,7 +156,7 @@ TEST(RestingScara, UnobservedLinksStayNearTheInitialSolidSpheres) {
     bodies.gravity_torques(poses.q.row(k).transpose(), g);
     for (int i = 0; i < 4; ++i) poses.tau(k, i) = g[i] + error(random);
   }
-  const Identification id = identify_at_rest(Model(std::move(unknown)), {poses});
+  const Identification id = identify(Model(std::move(unknown)), {poses});
   ASSERT_TRUE(id.model.has_value()) << id.reason;
   for (const char* name : {"inner", "outer"}) {
     for (const Frame& frame : id.model->frames()) {
@@ -164,17 +171,17 @@ TEST(RestingScara, UnobservedLinksStayNearTheInitialSolidSpheres) {
 
 // One joint stands still in all poses: the others tell less, and an answer is there.
 TEST_F(Resting, AStationaryJointIsAccepted) {
-  RestPoses p = poses(1, 80);
+  Recording p = poses(1, 80);
   RigidBodyDynamics bodies(truth_, *truth_.inertial_values());
   VectorXd g(3);
-  for (Eigen::Index k = 0; k < p.poses(); ++k) {
+  for (Eigen::Index k = 0; k < p.q.rows(); ++k) {
     p.q(k, 0) = 0.3;
     bodies.gravity_torques(p.q.row(k).transpose(), g);
     p.tau.row(k) = (g + kOffset).transpose().array() + 0.01 * std::sin(7.0 * static_cast<double>(k));
   }
-  p.approach.setZero();
-  const Identification some = identify_at_rest(read_model("psm-3dof"), {p});
-  const Identification all = identify_at_rest(read_model("psm-3dof"), {without_approach(poses(1, 80))});
+  p.dq.setZero();
+  const Identification some = identify(read_model("psm-3dof"), {p});
+  const Identification all = identify(read_model("psm-3dof"), {without_approach(poses(1, 80))});
   ASSERT_TRUE(some.model && all.model);
   EXPECT_LE(some.base.size(), all.base.size());
   EXPECT_LT(some.train_error.relative.maxCoeff(), 0.1);
@@ -185,11 +192,11 @@ TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
   TemporaryFolder folder;
   const std::string rows = folder.path("rows.csv");
   std::ofstream(rows) << "q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n0.1,0.2,0.1,1,-1,0,1,2,3\n0.3,0.2,0.1,-1,0,1,4,5,6\n";
-  const RestPoses two = read_rest_poses(truth_, rows, {});
-  ASSERT_EQ(two.poses(), 2);
-  EXPECT_EQ(two.approach.row(0), Eigen::RowVector3d(1, -1, 0));
+  const Recording two = read_rest_poses(truth_, rows, {});
+  ASSERT_EQ(two.q.rows(), 2);
+  EXPECT_EQ(two.dq.row(0), Eigen::RowVector3d(1, -1, 0));
   EXPECT_EQ(two.tau.row(1), Eigen::RowVector3d(4, 5, 6));
-  EXPECT_EQ(read_rest_poses(truth_, rows, {}, -1.0).approach, Eigen::MatrixXd::Constant(2, 3, -1.0));
+  EXPECT_EQ(read_rest_poses(truth_, rows, {}, -1.0).dq, Eigen::MatrixXd::Constant(2, 3, -1.0));
 
   const std::string motion = folder.path("motion.csv");
   std::ofstream file(motion);
@@ -199,9 +206,9 @@ TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
     file << 0.01 * k << ",0.1,0.2,0.1," << speed << ",0,0," << (k < 20 ? 1 : 2) << ",0,0\n";
   }
   file.close();
-  const RestPoses three = read_rest_poses(truth_, motion, {});
-  ASSERT_EQ(three.poses(), 3);
-  EXPECT_EQ(three.approach.col(0), Eigen::Vector3d(0, 1, -1));
+  const Recording three = read_rest_poses(truth_, motion, {});
+  ASSERT_EQ(three.q.rows(), 3);
+  EXPECT_EQ(three.dq.col(0), Eigen::Vector3d(0, 1, -1));
   EXPECT_EQ(three.tau.col(0), Eigen::Vector3d(1, 2, 2));
   EXPECT_FALSE(is_at_rest(truth_, motion, {}));
 
@@ -212,8 +219,8 @@ TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
   text += "\n";
   for (int k = 0; k < 10; ++k) text += std::to_string(0.01 * k - 1.0) + ",0.1,0.2,0.1,-0.5,0,0,nan,0,0\n";
   while (std::getline(lines, line)) text += line + "\n";
-  const RestPoses again = read_rest_poses(truth_, folder.write("gaps.csv", text), {});
-  EXPECT_EQ(again.approach, three.approach);
+  const Recording again = read_rest_poses(truth_, folder.write("gaps.csv", text), {});
+  EXPECT_EQ(again.dq, three.dq);
   EXPECT_EQ(again.tau, three.tau);
 }
 
@@ -233,14 +240,14 @@ TEST_F(Resting, TwoPositionsAreTwoPoses) {
     return read_rest_poses(truth_, folder.write("rests.csv", text), {});
   };
   for (const char* between : {"", ",0.3,0.2,0.1,1,0,0,nan,0,0"}) {
-    const RestPoses two = read(between);
-    ASSERT_EQ(two.poses(), 2) << between;
+    const Recording two = read(between);
+    ASSERT_EQ(two.q.rows(), 2) << between;
     EXPECT_EQ(two.q.col(0), Eigen::Vector2d(0.1, 0.5));
     EXPECT_EQ(two.tau.col(0), Eigen::Vector2d(1, 2));
-    EXPECT_EQ(two.approach.col(0), Eigen::Vector2d(1, 0));
+    EXPECT_EQ(two.dq.col(0), Eigen::Vector2d(1, 0));
   }
-  const RestPoses still = read(",0.3,0.2,0.1,nan,0,0,3,0,0");
-  ASSERT_EQ(still.poses(), 2);
+  const Recording still = read(",0.3,0.2,0.1,nan,0,0,3,0,0");
+  ASSERT_EQ(still.q.rows(), 2);
   EXPECT_EQ(still.tau.col(0), Eigen::Vector2d(1, 2));
 }
 
@@ -258,10 +265,10 @@ TEST_F(Resting, PosesAreThoseOfTheRecording) {
     how.in_memory["table"] = std::make_shared<const Recording>(table);
     return read_rest_poses(arm, "table", how);
   };
-  const RestPoses bare = read(truth_, r);
-  ASSERT_EQ(bare.poses(), 3);
+  const Recording bare = read(truth_, r);
+  ASSERT_EQ(bare.q.rows(), 3);
   EXPECT_EQ(bare.tau.col(1), Eigen::Vector3d(4.0, 5.0, 6.0));
-  EXPECT_TRUE(bare.approach.isZero(0.0));
+  EXPECT_TRUE(bare.dq.isZero(0.0));
   Recording zero = r;
   zero.dq = MatrixXd::Zero(4, 3);
   EXPECT_EQ(read(truth_, zero).tau, bare.tau);
@@ -271,7 +278,9 @@ TEST_F(Resting, PosesAreThoseOfTheRecording) {
   EXPECT_TRUE(refuses_with("no drive_gain", [&] { read(truth_, currents); }));
   ModelDescription d = truth_.description();
   for (Coordinate& c : d.coordinates) c.drive_gain = 2.0;
-  EXPECT_EQ(read(Model(d), currents).tau, bare.tau);
+  Eigen::Index pose = 0;
+  for_each_segment(Model(d), read(Model(d), currents), {}, [&](const Segment& s) { EXPECT_EQ(s.tau, bare.tau.row(pose++)); });
+  EXPECT_EQ(pose, 3);
   currents.current.resize(0, 0);
   EXPECT_TRUE(refuses_with("neither torques", [&] { read(Model(d), currents); }));
   r.q.col(1).setConstant(std::nan(""));
@@ -290,40 +299,41 @@ TEST_F(Resting, AnArmWithOnlyFixedParametersIsRefused) {
     offset.fixed = true;
     d.effects.push_back(offset);
   }
-  const Identification id = identify_at_rest(Model(d), {without_approach(poses(1, 30))});
+  const Identification id = identify(Model(d), {without_approach(poses(1, 30))});
   EXPECT_FALSE(id.model.has_value());
   EXPECT_EQ(id.reason, "the poses determine no parameter");
 }
 
 TEST_F(Resting, MotionsAreRefusedAsPoses) {
   const Model file = read_model("psm-3dof");
-  const RestPoses good = poses(1, 30);
-  RestPoses none = good;
+  const Recording good = poses(1, 30);
+  Recording none = good;
+  none.time.resize(0);
   none.q.resize(0, 3);
-  none.tau = none.approach = none.q;
-  RestPoses gap = good;
+  none.tau = none.dq = none.q;
+  Recording gap = good;
   gap.tau(7, 1) = std::nan("");
-  EXPECT_TRUE(refuses_with("found no pose", [&] { identify_at_rest(file, {none}); }));
-  EXPECT_TRUE(refuses_with("found no pose", [&] { identify_at_rest(file, {good}, {none}); }));
-  EXPECT_TRUE(refuses_with("not finite", [&] { identify_at_rest(file, {gap}); }));
-  RestPoses two = good;
+  EXPECT_TRUE(refuses_with("found one without rows", [&] { identify(file, {none}); }));
+  EXPECT_TRUE(refuses_with("found one without rows", [&] { identify(file, {good}, {none}); }));
+  EXPECT_TRUE(refuses_with("not finite", [&] { identify(file, {gap}); }));
+  Recording two = good;
   two.q = good.q.leftCols(2);
-  EXPECT_TRUE(refuses_with("poses of 2 joints", [&] { identify_at_rest(file, {two}); }));
-  EXPECT_TRUE(refuses_with("no recording to train on", [&] { identify_at_rest(file, {}); }));
+  EXPECT_TRUE(refuses_with("poses of 2 joints", [&] { identify(file, {two}); }));
+  EXPECT_TRUE(refuses_with("no recording to train on", [&] { identify(file, Recordings{}); }));
   for (const Method method : {Method::kIv, Method::kDidim}) {
     IdentificationOptions options;
     options.method = method;
-    EXPECT_TRUE(refuses_with("instruments", [&] { identify_at_rest(file, {good}, {}, options); }));
+    EXPECT_TRUE(refuses_with("instruments", [&] { identify(file, {good}, {}, options); }));
   }
 }
 
 TEST_F(Resting, TheToolIdentifiesAModelForTheGravityOfADvrk) {
   TemporaryFolder folder;
-  const RestPoses p = without_approach(poses(5, 60));
+  const Recording p = without_approach(poses(5, 60));
   const std::string path = folder.path("rest.csv");
   std::ofstream file(path);
   file << "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
-  for (Eigen::Index k = 0; k < p.poses(); ++k) {
+  for (Eigen::Index k = 0; k < p.q.rows(); ++k) {
     file << k;
     for (int i = 0; i < 3; ++i) file << "," << p.q(k, i);
     file << ",0,0,0";

@@ -6,7 +6,6 @@
 
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/identification/rest_poses.hpp"
 
 namespace veridyn {
 
@@ -78,16 +77,14 @@ struct PayloadReport {
 /// intervals, as is the scatter between phases of the motion (jackknife).
 ///
 /// @param model       an arm with values.
+/// In poses at rest (read_rest_poses()) gravity determines mass and centre; if their direction of approach is unknown,
+/// the model's dry friction widens the intervals.
+///
 /// @param recordings  all of them with the load.
 /// @param link        frame of the only link to test; empty: all links.
 /// @throws InvalidInput  the model has no values, the frame does not exist, or as identify().
 PayloadReport find_payload(const Model& model, const Recordings& recordings,
                            const IdentificationOptions& options = {}, const std::string& link = {},
                            const Thresholds& limits = {});
-
-/// The same from poses at rest, in which gravity determines mass and centre. If the direction of approach is
-/// unknown, the model's dry friction widens the intervals.
-PayloadReport find_payload_at_rest(const Model& model, const std::vector<RestPoses>& poses, const std::string& link = {},
-                                   const Thresholds& limits = {});
 
 }  // namespace veridyn

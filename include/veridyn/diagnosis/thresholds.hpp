@@ -5,8 +5,7 @@
 
 namespace veridyn {
 
-/// Thresholds of a diagnosis before and after its search, and of a diagnosis of poses at rest; those of the search are
-/// in src/diagnosis/search/numbers.hpp. threshold_table() gives the inequality and the reason of each;
+/// Thresholds of a diagnosis before and after its search; those of the search are in src/diagnosis/search/numbers.hpp. threshold_table() gives the inequality and the reason of each;
 /// `veridyn-hide-and-seek --set NAME=VALUE` runs the benchmark with another value.
 struct Thresholds {
   // Comparison of fits.
@@ -14,8 +13,6 @@ struct Thresholds {
   double smallest_change = 0.1;
   double significance = 0.05;
   double tie = 0.95;
-  double new_share = 1e-6;
-  double fewest_folds = 4.0;
   double held_out_worse = 0.02;
   double main_share = 0.9;
   double negative_friction = 6.0;

@@ -57,4 +57,10 @@ struct EffectTraits {
   const char* urdf_attribute = "";
 };
 
+/// True if the effect can act on an arm at rest; dry friction only if it is known from which side the arm came to rest.
+inline bool acts_at_rest(const EffectTraits& t, bool approached) {
+  const bool dry = t.dry == DryFriction::kConstant && approached;
+  return !t.memory && !t.depends_on_time && !t.uses_acceleration && (!t.uses_velocity || dry);
+}
+
 }  // namespace veridyn

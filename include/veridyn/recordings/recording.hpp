@@ -28,6 +28,9 @@ struct Recording {
   MatrixXd ddq;        ///< [rad/s^2], [m/s^2]
   MatrixXd tau;        ///< [N m], [N]
   MatrixXd current;    ///< motor currents [A]
+  /// True if every row is a pose at rest, in any order: dq is then the direction (-1, 0, 1) from which a joint came to
+  /// rest, and rows are not filtered, differentiated or dropped.
+  bool poses = false;
 
   int rows() const { return static_cast<int>(time.size()); }
   int joints() const { return static_cast<int>(q.cols()); }

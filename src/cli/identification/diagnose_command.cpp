@@ -11,7 +11,6 @@
 #include "cli/models/simulation_output.hpp"
 #include "veridyn/tool/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
-#include "veridyn/diagnosis/rest_diagnosis.hpp"
 #include "diagnosis/preparation/diagnosis_state.hpp"
 #include "files/output_file.hpp"
 #include "effects/effect_names.hpp"
@@ -76,7 +75,7 @@ Diagnosis diagnosed(const DiagnoseRequest& request, const Model& arm) {
     return diagnose(arm, request.train, request.test, request.options);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, how);
-  return diagnose_at_rest(arm, train, test, request.options);
+  return diagnose(arm, train, test, request.options);
 }
 
 ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {

@@ -123,7 +123,7 @@ Identification identified_at_rest(const IdentifyRequest& request, const Model& a
   expect_value(request.factors.empty() && request.factor_out.empty() && request.known_masses.empty(),
                "--at-rest", "found with factors or known masses, expected recordings of poses alone");
   const auto [train, test] = read_poses(request.rest, arm, request.train, request.test, options);
-  return identify_at_rest(arm, train, test, options);
+  return identify(arm, train, test, options);
 }
 
 // The factors of the training recordings, with the velocities that identify() chooses for them, or with which

@@ -35,7 +35,7 @@ ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   request.options.threads = request.common.threads;
   if (!at_rest) check_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
   const PayloadReport report = while_busy(request.common, "fitting a load on every link", [&] {
-    if (at_rest) return find_payload_at_rest(model, read_poses(request.rest, model, request.recordings, {}, request.options).first, request.link);
+    if (at_rest) return find_payload(model, read_poses(request.rest, model, request.recordings, {}, request.options).first, request.options, request.link);
     return find_payload(model, request.recordings, request.options, request.link);
   });
   if (report.links.empty()) {

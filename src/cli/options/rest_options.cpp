@@ -25,7 +25,7 @@ bool are_rest_poses(const RestRequest& request, const Model& arm, const std::vec
                                        [&](const std::string& path) { return is_at_rest(arm, path, how); });
 }
 
-std::pair<std::vector<RestPoses>, std::vector<RestPoses>> read_poses(
+std::pair<std::vector<Recording>, std::vector<Recording>> read_poses(
     const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
     const std::vector<std::string>& test, const IdentificationOptions& options) {
   const std::vector<double>& sides = request.approach;
@@ -34,7 +34,7 @@ std::pair<std::vector<RestPoses>, std::vector<RestPoses>> read_poses(
                " training recordings (and of the ", test.size(), " held out)");
   const auto read = [&](const std::vector<std::string>& paths, std::size_t first,
                         const PreprocessingOptions& how) {
-    std::vector<RestPoses> out;
+    std::vector<Recording> out;
     for (std::size_t k = 0; k < paths.size(); ++k) {
       const bool given = first + k < sides.size();
       out.push_back(read_rest_poses(arm, paths[k], how,

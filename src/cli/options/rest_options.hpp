@@ -24,7 +24,7 @@ bool are_rest_poses(const RestRequest& request, const Model& arm, const std::vec
                const PreprocessingOptions& how);
 
 /// Poses of the training and of the held-out recordings.
-std::pair<std::vector<RestPoses>, std::vector<RestPoses>> read_poses(
+std::pair<std::vector<Recording>, std::vector<Recording>> read_poses(
     const RestRequest& request, const Model& arm, const std::vector<std::string>& train,
     const std::vector<std::string>& test, const IdentificationOptions& options);
 

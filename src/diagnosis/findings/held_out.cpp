@@ -18,10 +18,6 @@ double removable(const VectorXd& error, const VectorXd& floor) {
 
 }  // namespace
 
-HoldOut hold_out(const Thresholds& limits) {
-  return {static_cast<size_t>(std::lround(limits.fewest_folds)), limits.new_share};
-}
-
 double explained_share(const VectorXd& before, const VectorXd& after, const Identification& baseline) {
   return explained_share(before, after, baseline.test_error.relative, baseline.noise_floor);
 }

@@ -1,12 +1,8 @@
 #pragma once
 
-#include "identification/hold_out.hpp"
-#include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
-
-HoldOut hold_out(const Thresholds& limits);
 
 /// Share of the removable error (held out, above the noise floor) that disappears between two held-out
 /// errors, (n) each; negative if the error grows.

@@ -22,6 +22,7 @@ struct DiagnosisState {
   std::vector<std::string> train, test;
   DiagnosisOptions options;
   Diagnosis d;
+  bool poses = false;  ///< the recordings are poses at rest
 
   /// The arm with which the search begins, fitted to the rows that remain.
   Identification start = {};

@@ -52,7 +52,7 @@ bool is_factor(const Term& t) {
 
 CurrentSet::CurrentSet(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
   rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing, request.threads);
-  folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff);
+  folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff, request.scope.poses ? 1.0 : kBlockSeconds);
   folds_.errors = is_repeated() ? kStandardErrorsWithTest : errors_of(folds_.blocks);
   values_ = VectorXd(rows_->names().size());
   const std::vector<StandardParameter> all = standard_parameters(arm);

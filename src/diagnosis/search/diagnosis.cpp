@@ -69,9 +69,9 @@ bool fit_mended(DiagnosisState& x, const ReportStep& report_step) {
 }
 
 void run(DiagnosisState& x, const ReportStep& report_step) {
-  if (!fit_mended(x, report_step)) return;
+  if (!(x.poses ? fit_baseline(x) : fit_mended(x, report_step))) return;
   if (!exclude_silent_joints(x)) return;
-  exclude_rests(x);
+  if (!x.poses) exclude_rests(x);
   if (!can_attribute_errors(x)) return;
   check_torque_signs(x);
   check_errors_in_variables(x);
@@ -128,7 +128,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
                    const DiagnosisOptions& options, const Identification* fitted) {
   const auto begin = std::chrono::steady_clock::now();
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
-  DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}};
+  DiagnosisState x{robot_of(arm, options), named.train, named.test, options, {}, named.poses};
   x.options.identification = named.how;
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = normalized_cause(arm, one);

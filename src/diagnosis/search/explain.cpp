@@ -47,6 +47,7 @@ class Explanation {
     request.scope.constants = !d_.changes || !x_.arm.description().identified;
     request.scope.wanted = x_.options.effects;
     request.scope.silent = x_.silent;
+    request.scope.poses = x_.poses;
     request.recordings = x_.train;
     for (const CompressedRecording& r : x_.start.factors) request.periods.push_back(r.period.seconds);
     request.preprocessing = x_.options.identification.preprocessing;
@@ -225,7 +226,7 @@ class Explanation {
 
   void add_moments() {
     const bool has_room = static_cast<int>(named().size()) < x_.options.max_effects;
-    if (!x_.tests_effect(ExternalContact::kName) || !has_room || found_.fitted.rows() == 0) return;
+    if (x_.poses || !x_.tests_effect(ExternalContact::kName) || !has_room || found_.fitted.rows() == 0) return;
     std::vector<Contact> contacts;
     add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, contacts);
     if (found_.test) add_moments_in(*found_.test, found_.test_residual, found_.scale, x_.test, contacts);
@@ -335,7 +336,8 @@ class Explanation {
     const auto& known = x_.arm.description().identified;
     if (d_.changes && known && known->error.size() > j) v.floor = std::max(v.floor, std::min(other, known->error[j]));
     // A vibration is no floor, nor is a part that signals predict but that the tested causes exclude.
-    const std::optional<Vibration> vibration = vibration_of(d_.extended, j, x_.options.thresholds);
+    std::optional<Vibration> vibration;
+    if (!x_.poses) vibration = vibration_of(d_.extended, j, x_.options.thresholds);
     const double untested_share = found_.untested_share.size() > j ? found_.untested_share[j] : -1.0;
     const double predicted = std::max(vibration && !unnamed ? vibration->share : 0.0, untested_share);
     if (predicted > 0.0 && v.left * std::sqrt(1.0 - predicted) < v.floor) {

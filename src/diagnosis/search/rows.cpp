@@ -115,7 +115,7 @@ void Rows::put(const Stretch& stretch, MatrixXd columns, MatrixXd& into) const {
     into.row(stretch.first + static_cast<Eigen::Index>(k)) = columns.row(stretch.kept[k]);
 }
 
-Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cutoff) {
+Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cutoff, double block_seconds) {
   Folds out;
   const size_t recordings = periods.size();
   std::vector<double> first(recordings, 0.0), last(recordings, 0.0);
@@ -135,7 +135,7 @@ Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cuto
     const int part = std::min(static_cast<int>(phase(k) * parts), parts - 1);
     out.of_row.push_back(parts == 1 ? static_cast<int>(r) % out.count : part * static_cast<int>(recordings) + static_cast<int>(r));
     const double length = periods[r] > 0.0 ? periods[r] : last[r] - first[r];
-    const int count = std::max((kFewestBlocks + static_cast<int>(recordings) - 1) / static_cast<int>(recordings), static_cast<int>(length / kBlockSeconds));
+    const int count = std::max((kFewestBlocks + static_cast<int>(recordings) - 1) / static_cast<int>(recordings), static_cast<int>(length / block_seconds));
     const int block = std::min(static_cast<int>(phase(k) * count), count - 1);
     out.block.push_back(blocks.emplace(std::make_pair(r, block), static_cast<int>(blocks.size())).first->second);
   }

@@ -86,7 +86,7 @@ class Rows {
 
 /// Folds are whole recordings where there are three or more, else contiguous parts. Equal phases of a motion
 /// that repeats belong to one fold; otherwise one period would predict the other.
-/// @param periods  [s] of the recordings; 0: no repetition.
-Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cutoff);
+/// @param periods  [s] of the recordings; 0: no repetition. @param block_seconds  [s] of a block.
+Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cutoff, double block_seconds);
 
 }  // namespace veridyn::search

@@ -58,7 +58,7 @@ class Builder {
     for (const std::string& one : scope_.wanted) scope.wanted.push_back(split_cause(one).effect);
     for (int i = 0; i < arm_.joints(); ++i) scope.still.push_back(!moves(i) || scope_.silent.count(i) != 0);
     for (const Candidate& c : candidates(arm_, scope)) {
-      if (scope_.is_wanted(arm_, c.cause)) add(c);
+      if (scope_.is_wanted(arm_, c.cause) && (!scope_.poses || acts_at_rest(c))) add(c);
     }
     if (scope_.constants) add_constants();
     add_curves();
@@ -80,6 +80,8 @@ class Builder {
   }
 
  private:
+  static bool acts_at_rest(const Candidate& c) { return is_load(c) || veridyn::acts_at_rest(find_effect(effect_of(c.cause)).traits(), true); }
+
   bool moves(int joint) const {
     return range_[joint].travel() > (arm_.coordinates()[joint].prismatic ? kStillLength : kStill);
   }
@@ -259,9 +261,11 @@ class Builder {
       const auto smooth = [&](const Signal& s, int intervals) { return basis(s, BasisKind::kSmooth, intervals); };
       add_curve(j, {dq}, {basis(dq, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
       add_curve(j, {history}, {basis(history, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
-      add_curve(j, {t}, {smooth(t, kCurveIntervals)}, kCurveOfOne);
       const SmoothBasis sides = basis(dq, BasisKind::kSides, 1);
-      add_curve(j, {t, dq}, {smooth(t, kSideIntervals), sides}, kCurveOfTwo);
+      if (!scope_.poses) {
+        add_curve(j, {t}, {smooth(t, kCurveIntervals)}, kCurveOfOne);
+        add_curve(j, {t, dq}, {smooth(t, kSideIntervals), sides}, kCurveOfTwo);
+      }
       add_curve(j, {torque[a], dq}, {smooth(torque[a], kSideIntervals), sides}, kCurveOfTwo);
       for (size_t b = 0; b < moving.size(); ++b) {
         add_curve(j, {q[b]}, {smooth(q[b], kCurveIntervals)}, kCurveOfOne);

@@ -75,6 +75,7 @@ struct TermScope {
   bool constants = true;            ///< constants of the robot file
   std::vector<std::string> wanted;  ///< effects or causes as text; empty: all
   std::set<int> silent;             ///< joints on which nothing is tested
+  bool poses = false;               ///< the rows are poses at rest
 
   bool is_wanted(const Model& arm, const Cause& cause) const;
 };
