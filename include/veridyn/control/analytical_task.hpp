@@ -9,13 +9,13 @@ namespace veridyn {
 /// Roll, pitch, yaw [rad] of R = Rz(yaw) Ry(pitch) Rx(roll), pitch within +-pi/2.
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) noexcept;
 
-/// Rz(yaw) Ry(pitch) Rx(roll).
+/// The rotation Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& roll_pitch_yaw) noexcept;
 
 /// omega = T(angles) d(angles)/dt, written in the frame that the angles refer to.
 Eigen::Matrix3d angle_rates_to_omega(const Eigen::Vector3d& roll_pitch_yaw) noexcept;
 
-/// dT/dt.
+/// The time derivative dT/dt of angle_rates_to_omega(), from the angles [rad] and their rates [rad/s].
 Eigen::Matrix3d angle_rates_to_omega_rate(const Eigen::Vector3d& roll_pitch_yaw,
                                           const Eigen::Vector3d& rates) noexcept;
 

@@ -20,11 +20,11 @@ struct Measured {
   explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
   VectorXd q;   ///< (n) as measured by the encoders [rad], [m]
   VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: those of the velocity observer
-  double age = 0.0;        ///< [s] of the positions
+  double age = 0.0;        ///< [s] age of the positions
   double age_range = 0.0;  ///< [s] by which they may be younger, see SafetyInput::sensor_age_range
   /// [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
   Vector6d wrench{Vector6d::Zero()};
-  double wrench_age = 0.0;  ///< [s]
+  double wrench_age = 0.0;  ///< [s] age of the wrench
 };
 
 /// Layers below a law that check and limit its torque.
@@ -33,10 +33,10 @@ enum class Supervision {
   kLimits       ///< torques are limited, and nothing else is checked: for simulation
 };
 
-/// Positions and torques at either end of a cycle.
+/// Convention of a cycle's positions and torques: with or without the errors of the sensors and drives.
 enum class Signals {
-  kOfSensors,  ///< in the scales of the model's sensors and drives, see JointSensors
-  kTrue        ///< true ones: the caller removes the errors of sensors, or there are none
+  kOfSensors,  ///< uncorrected: in the scales of the model's sensors and drives, see JointSensors
+  kTrue        ///< true values: the caller corrects sensor errors, or there are none
 };
 
 /// Settings of the observers, the compensation and the supervision around a control law.
@@ -44,8 +44,8 @@ struct CycleOptions {
   double velocity_bandwidth = 300.0;  ///< [1/s] of VelocityObserver
   FrictionOptions friction{};         ///< share 0: friction is not compensated
   double error_bandwidth = 10.0;      ///< [1/s] of ModelErrorObserver; 0: it is off
-  /// Largest torque of that observer [N m], [N]; nullopt: the model's uncertainty in the
-  /// present motion, see TorqueUncertainty.
+  /// Largest torque of ModelErrorObserver [N m], [N]; nullopt: the model's uncertainty in the present motion,
+  /// see TorqueUncertainty.
   std::optional<Gain> error_limit{};
   /// Limits of the supervisor; nullopt: those of the robot file, see safety_limits().
   std::optional<SafetyLimits> limits{};
@@ -109,18 +109,18 @@ class ControlCycle {
   /// Ends a cycle. @returns (n) torques in the scale of the drives, always finite and within limits.
   const VectorXd& send() noexcept;
 
-  /// Call it before the next cycle if other limits follow send(): (n) torques that the drives produced, in
-  /// their scale.
+  /// Sets the torques (n) that the drives produced, in their scale. Call it before the next cycle if the result
+  /// of send() is limited further.
   void sent(const VectorXd& drive_torques) noexcept;
 
-  /// Brakes by the supervisor and holds the arm where it stops, until resume(). False, and without effect, in
-  /// a fault or without a supervisor.
+  /// The supervisor brakes the arm and holds it where it stops, until resume(). Returns false, and does
+  /// nothing, during a fault or without a supervisor.
   bool hold() noexcept;
-  /// give_way() in every cycle until resume().
+  /// Calls give_way() in every cycle until resume().
   void limp() noexcept;
   /// Ends hold() and limp(). The reference must then begin at the arm's position.
   void resume() noexcept;
-  /// Clears the observers' estimates, as while the motors are off. A fault remains.
+  /// Clears the observers' estimates, for example while the motors are off. A fault remains.
   void reset_observers() noexcept;
   /// Clears a fault as well, and restarts the time of faults.
   void reset() noexcept;
@@ -155,7 +155,7 @@ class ControlCycle {
   SafetyFault known_ = SafetyFault::kNone;
   double dt_ = 0.0, time_ = 0.0, fault_time_ = 0.0;  // [s]
   bool observes_ = false;  // ModelErrorObserver is on
-  bool observed_ = false;  // it was used in this cycle
+  bool observed_ = false;  // add_model_error() was called in this cycle
   bool limp_ = false, off_ = false;
   Vector6d wrench_{Vector6d::Zero()};
   int until_limit_ = 0;    // cycles until the observer's limit is evaluated again

@@ -18,14 +18,14 @@ struct CooperativeOptions {
   std::vector<Eigen::Matrix3d> R_world_arm;  ///< axes of each arm's base; one entry for each arm
   int leader = 0;
   std::vector<CooperativeMember> members;
-  double period = 1e-3;  ///< [s] of update()
+  double period = 1e-3;  ///< [s] interval between calls of update()
 
   // Bounds that end the task; every target is then held, see CooperativeState.
   double largest_force = 20.0;        ///< [N] reading of any member
   double largest_force_error = 20.0;  ///< [N] deviation of a reading from h_d
   double largest_age = 0.02;          ///< [s] age of a reading
-  /// [m] deviation of any tip from its path, beyond the stretch of its members under the wanted
-  /// force, as far as known
+  /// [m] deviation of any tip from its path, in addition to the stretch of its members under the wanted force
+  /// where their stiffness is known
   double largest_error = 0.02;
   /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
   /// member's length explains; checked where its stiffness is known.
@@ -43,11 +43,12 @@ struct CooperativeOptions {
   /// [J] largest energy that arms may feed into a member beyond the planned work
   /// (PassivityMonitor); an oscillating loop or a falling arm feeds more.
   double largest_energy = std::numeric_limits<double>::infinity();
-  double stop_duration = 0.1;  ///< [s] in which the motion stops
+  double stop_duration = 0.1;  ///< [s] duration of stopping the motion
   double relief_force = 5.0;   ///< [N] reading beyond which ends yield while targets are held,
-  double relief_gain = 0.02;   ///< [m/(N s)] rate of yielding per newton beyond it,
-  double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; no yielding with a failed sensor
-  /// While targets are held: prevents a falling arm from jerking members.
+  double relief_gain = 0.02;   ///< [m/(N s)] speed of yielding per newton above relief_force
+  double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; ends do not yield if a sensor has failed
+  /// True: a TetherGuard moves the other ends while targets are held, so that a falling arm does not jerk
+  /// members.
   bool guard = true;
   TetherGuardOptions tether;  ///< its period is the controller's
 };
@@ -83,7 +84,8 @@ struct TipTarget {
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
-  /// Deviates from the wanted force by more than largest_force_error, as when a member is slack.
+  /// A reading deviates from the wanted force by more than largest_force_error, for example if a member is
+  /// slack.
   kForceMissed,
   kSensorStale,
   kSensorStuck,
@@ -163,7 +165,7 @@ class CooperativeController {
   Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
   Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   double relief_force() const { return options_.relief_force; }
-  /// Changes relief_force, as when a pretension is given up. [N], above zero; other values are
+  /// Sets relief_force [N], for example after a pretension was removed; values that are not above zero are
   /// ignored.
   void relieve_beyond(double force) noexcept {
     if (force > 0.0) options_.relief_force = force;
@@ -179,8 +181,8 @@ class CooperativeController {
     std::optional<long> number;
     double last_force = 0.0, last_length = 0.0;  // of the previous sample
     std::optional<long> last_number;
-    double silent = 0.0;                         // [s] since the start without any
-    bool compared = false;  // the following are those of the moment when the wanted force last arrived
+    double silent = 0.0;                         // [s] since the start without any sample
+    bool compared = false;  // true: the values below are those at the last arrival of the wanted force
     double sound_force = 0.0, sound_length = 0.0;
     Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
   };

@@ -68,7 +68,7 @@ class ForceTracker {
   /// @returns change of the distance between the ends [m]; the last one if a number is not finite.
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
-  /// While targets are held, without a sensor: x_f is frozen, and the damping term continues.
+  /// Freezes x_f and continues the damping term alone: for use without a sensor while targets are held.
   double hold(double wanted, double rate) noexcept;
 
   double value() const { return value_; }        ///< result of the last update() or hold()

@@ -25,7 +25,7 @@ class QuinticInterpolator {
   /// another size or an entry that is not finite, or if the duration is not above zero.
   bool move_to(const VectorXd& goal, double duration) noexcept;
 
-  /// Stops within `duration`; the goal is ahead by half of it at the present velocity.
+  /// Stops within `duration` [s], at a goal that is velocity * duration / 2 ahead of the present position.
   bool stop(double duration) noexcept;
 
   /// Advances the time by dt [s] >= 0; the point rests at the goal once it is reached.
@@ -37,7 +37,7 @@ class QuinticInterpolator {
   const VectorXd& ddx() const { return ddx_; }
   const VectorXd& goal() const { return goal_; }
 
-  /// Duration of a move from rest over `distance` within a velocity and an acceleration.
+  /// Duration [s] of a move from rest over `distance` with bounded velocity and acceleration.
   static double duration_for(double distance, double velocity, double acceleration) noexcept;
 
  private:

@@ -16,7 +16,7 @@ enum class SafetyState {
   kReady,     ///< at rest, ready for activate()
   kActive,    ///< the controller moves the arm
   kHolding,   ///< holds position on command; activate() continues
-  kFault      ///< the safe action of the fault, until reset()
+  kFault      ///< the safe action of the fault is applied, until reset()
 };
 
 /// Cause of a fault. The first check that fails sets it: sensors first, then motors, motion, force.
@@ -25,14 +25,14 @@ enum class SafetyFault {
   kNotFinite,    ///< a position, a velocity or a time is NaN or infinite
   kSensorAge,    ///< positions are older than allowed
   kEncoderJump,  ///< a position changed by more in one cycle than the joint can move
-  kController,   ///< its torque is NaN or infinite
+  kController,   ///< the controller's torque is NaN or infinite
   kOverrun,      ///< a cycle took longer than allowed
-  kPosition,     ///< beyond a limit, or too fast to stop before it
+  kPosition,     ///< a joint is beyond a limit, or too fast to stop before it
   kVelocity,
-  kTracking,    ///< too far from the wanted position
+  kTracking,    ///< a joint is too far from its wanted position
   /// the controller requests more than the motor's limit, or nearly as much at a standstill, for too long
   kTorque,
-  kForce,       ///< more than allowed at the tip
+  kForce,       ///< the force at the tip is larger than allowed
   kForceSensor,  ///< the force is NaN or infinite, older than allowed, or disagrees with the
                  ///< joints' torques
   /// a held arm does not come to rest, or after a fault it is faster than `runaway` allows
@@ -51,7 +51,7 @@ enum class SafetyAction {
   kFreeze
 };
 
-/// Fixed text, such as "position limit".
+/// Fixed text of a state, a fault or an action, such as "position limit".
 const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
 
@@ -61,9 +61,9 @@ SafetyAction action_of(SafetyFault fault) noexcept;
 
 struct SafetyLimits {
   VectorXd lower, upper;              ///< (n) [rad], [m]
-  VectorXd velocity;                  ///< (n)
-  VectorXd torque;                    ///< (n) of the motors
-  VectorXd tracking;                  ///< (n) wanted minus measured position
+  VectorXd velocity;                  ///< (n) [rad/s], [m/s]
+  VectorXd torque;                    ///< (n) of the motors [N m], [N]
+  VectorXd tracking;                  ///< (n) wanted minus measured position [rad], [m]
   VectorXd resolution;                ///< (n) of positions: one step of an encoder; empty: zero
   double force = 15.0;                ///< [N] at the tip
   double force_disagreement = 6.0;    ///< [N] between the sensor and MomentumObserver
@@ -188,7 +188,7 @@ class SafetySupervisor {
   double since_sound_ = 0.0;  // [s] between the measurement of q_sound_ and that of the present positions
   double fault_for_ = 0.0;   // [s]
   bool watched_ = false;     // while held: energy_ is the reference of its kinetic energy
-  double energy_ = 0.0, slow_for_ = 0.0;  // [J], since [s]
+  double energy_ = 0.0, slow_for_ = 0.0;  // [J]; [s] at rest
   std::array<SafetyEvent, 16> event_;
   int events_ = 0;
   VectorXd saturated_;  // (n) [s]

@@ -37,9 +37,9 @@ double characteristic_length(const Model& arm, const Tip& tip);
 ///
 ///   J# = W_q V diag(s_i / max(s_i, threshold)^2) U' W_x
 ///
-/// which is the pseudo-inverse away from singularities, continuous, and zero in the singular
-/// direction of a singular pose. The null space of J#, damped directions included, takes a posture
-/// y0:
+/// which is the pseudo-inverse away from singularities, continuous, and zero in the singular direction of a
+/// singular pose. A posture y0, a desired joint motion, is projected onto the null space of J#, damped
+/// directions included:
 ///
 ///   y = J# a + W_q (1 - J~# J~) W_q^-1 y0
 ///

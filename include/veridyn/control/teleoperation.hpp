@@ -16,7 +16,7 @@ struct TeleoperationOptions {
   double speed = 0.2;         ///< [m/s] largest speed of the follower
   double cutoff = 30.0;       ///< [Hz] low-pass of the reflected forces
   double ramp = 0.1;          ///< [s] in which reflected forces fade in after the clutch engages
-  double period = 1e-3;       ///< [s] of update()
+  double period = 1e-3;       ///< [s] interval between calls of update()
 };
 
 /// Bilateral teleoperation: the follower's tip follows the leader's, and its force is reflected

@@ -6,14 +6,14 @@
 namespace veridyn {
 
 struct TetherGuardOptions {
-  double period = 1e-3;      ///< [s] of update()
-  /// [m] slack that is kept after a member has had twice as much
+  double period = 1e-3;      ///< [s] interval between calls of update()
+  /// [m] slack that is preserved in a member whose slack has reached twice as much
   double margin = 0.005;
   double horizon = 0.03;     ///< [s] time constant of the approach to the largest length
   /// [N] compression that identifies a spring or a bar, as opposed to a string
   double least_push = 0.5;
   double rest = 0.1;  ///< [s] in which the guard's motion decays when no member is near its limits
-  double acceleration = 40.0;  ///< [m/s^2] largest acceleration and
+  double acceleration = 40.0;  ///< [m/s^2] largest acceleration of a tip
   double speed = 3.0;          ///< [m/s] largest speed of a tip: a free fall of 0.46 m
   double smoothing = 40.0;     ///< [Hz] bandwidth of the estimated velocities and accelerations
 };
@@ -62,9 +62,9 @@ class TetherGuard {
   /// Clears the estimate of a member that was released or attached again.
   void reset_member(int member) noexcept;
 
-  /// While targets are held, once per period.
-  /// @param position, healthy  one entry for each arm: its tip [m], skipped if not finite; 0 if it does not
-  /// follow its target.
+  /// Updates the motions of all ends; call it once per period while targets are held.
+  /// @param position  [m] of each arm's tip; skipped if not finite.
+  /// @param healthy  one entry for each arm; 0: it does not follow its target.
   /// @param force  [N] allowed in a member.
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
@@ -78,7 +78,7 @@ class TetherGuard {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
-    bool looked = false;  // has had a finite position
+    bool looked = false;  // a finite position has been received
   };
   void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;

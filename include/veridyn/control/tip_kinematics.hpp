@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// Linear entries first: [v; omega], [force; moment], [position; angles].
+/// A vector with its linear entries first: [v; omega], [force; moment], [position; angles].
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// The controlled point of an arm.
@@ -18,7 +18,7 @@ struct Tip {
   Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
 };
 
-/// The frame that the most joints move; the last of several.
+/// The frame that the most joints move; if there are several, the last one.
 std::string default_tip(const Model& arm);
 
 /// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and frame_jacobian() define

@@ -25,8 +25,8 @@ struct UncertaintyOptions {
 /// An identified model provides the covariance of its base parameters; the unexplained part is the relative
 /// error on its training recordings times the joint's rms torque in the standard motion. For any
 /// other model the unexplained part is zero, and every inertial parameter has a standard deviation
-/// of `relative` times its value, independently. Friction has deviations / 3 times `relative`, and
-/// its whole level at rest. Nothing allocates after the constructor.
+/// of `relative` times its value, independently. The uncertainty of a friction is deviations / 3 times
+/// `relative` of its force, and its whole level at rest. Nothing allocates after the constructor.
 ///
 ///   TorqueUncertainty uncertainty(arm);
 ///   every cycle: error.set_limit(uncertainty.update(state, control.acceleration()));

@@ -13,9 +13,9 @@ struct InertialLinks {
   const LinkInertia* inertia;  ///< null where only motion and regressor are computed
 };
 
-/// Rigid-body dynamics at one state over any scalar S. The lanes of L, a pack of S, are neighbouring
-/// links or columns; or L is S itself for one at a time. Vectors hold n entries; matrices (n x n)
-/// are column-major without gaps. All functions work in the caller's memory, see ArmDynamics.
+/// Rigid-body dynamics at one state over any scalar S. L is a SIMD pack of S whose lanes are neighbouring links
+/// or columns, or S itself. Vectors hold n entries; matrices (n x n) are column-major without gaps. All
+/// functions work in the caller's memory, see ArmDynamics.
 ///
 /// A joint variable may be a sum of coordinates, s = C q + s0. Derivatives are computed by joint variables;
 /// those by coordinates are sums of them, C' D C. The mass matrix is factored along the tree (articulated
@@ -53,7 +53,7 @@ struct ArmAlgorithms {
     S* matrix;   ///< n x n entries
   };
 
-  /// Size of the workspace in bytes, and its parts; align it for L.
+  /// Size of the workspace in bytes; its memory must be aligned for L.
   static std::size_t workspace(const Links& tree) {
     Parts parts{nullptr};
     divide(tree, parts);
@@ -157,7 +157,7 @@ struct ArmAlgorithms {
     mass_of(arm, M, at);
   }
 
-  /// Computes M and h, where they are not null, and D = scale * dh/d(dq): with 1/2 the Coriolis
+  /// Computes M and h, where they are not null, and D = scale * dh/d(dq). For scale 1/2, D is the Coriolis
   /// matrix of Christoffel's symbols, for which dM/dt - 2 C is skew.
   static void velocity_derivative(const InertialLinks& arm, const S* q, const S* dq, double scale,
                                   S* M, S* h, S* D, const Memory& at) {
@@ -178,9 +178,9 @@ struct ArmAlgorithms {
     matrix<true>(tree, kVelocityUpper, kVelocityLower, 2.0 * scale, D, at);
   }
 
-  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links): with the momentum
-  /// (p, l) and the gravity of all that a joint carries, dL/dq = z . (p x v + l x w + h x g) where it
-  /// turns and z . (p x w + m g) where it slides, v and w the velocities of its link.
+  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links). With m, h and the momentum
+  /// (p, l) of all links that a joint carries, dL/dq = z . (p x v + l x w + h x g) for a revolute joint and z .
+  /// (p x w + m g) for a prismatic one, where v and w are the velocities of its link.
   static void lagrangian_gradient(const InertialLinks& arm, const S* q, const S* dq, S* gradient,
                                   const Memory& at) {
     const Links& tree = arm.tree;
@@ -221,7 +221,7 @@ struct ArmAlgorithms {
     for (int k = tree.count - 1; k >= 0; --k) {
       const Link& link = tree.link[k];
       const LinkState<S>& state = at.state[k];
-      InertiaOf<S>& I = at.carried[k];  // of the carried sum only m and h are kept up
+      InertiaOf<S>& I = at.carried[k];  // only m and h of this sum are updated
       const Vec3<S>& w = state.omega;
       S effort = state.force.x * w.y - state.force.y * w.x + I.m * state.alpha.z;
       if (link.type == JointType::kRevolute) {
@@ -469,7 +469,7 @@ struct ArmAlgorithms {
 
   static constexpr typename World::Products kMassUpper{World::kAxis, World::kForce};
   static constexpr typename World::Products kMassLower{World::kForce, World::kAxis};
-  // Halves of the derivatives: see the quantities.
+  // Pairs of quantities whose products are the two triangles of each derivative, see WorldRecursion::Quantity.
   static constexpr typename World::Products kPositionUpper{World::kAxis, World::kByPosition};
   static constexpr typename World::Products kPositionLower{World::kForce, World::kTurn,
                                                            World::kSpin, World::kDrift};

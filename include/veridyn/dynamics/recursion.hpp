@@ -64,8 +64,8 @@ inline void regressor_entries(const BodyMotion<S>& b, const Column<L>& c, const 
   put(9, w.z * b.alpha.z + w.x * b.products.x - w.y * b.products.y);
 }
 
-/// Force and moment that a link needs for its own motion. Linear in accel and E: with their
-/// derivatives it gives those of force and moment.
+/// Force and moment that a link needs for its own motion. They are linear in accel and E, so that the
+/// derivatives of accel and E in their place give the derivatives of force and moment.
 template <typename S>
 inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
                         const Spin<S>& E, Vec3<S>& force, Vec3<S>& moment) {

@@ -52,13 +52,13 @@ inline Screw<S> operator-(const Screw<S>& a, const Screw<S>& b) {
   return {a.w - b.w, a.v - b.v};
 }
 
-/// Rate of a motion b that moves with a.
+/// Rate of change of a motion vector b that is fixed in a body moving with a.
 template <typename S>
 inline Screw<S> cross(const Screw<S>& a, const Screw<S>& b) {
   return {cross(a.w, b.w), cross(a.w, b.v) + cross(a.v, b.w)};
 }
 
-/// Rate of a wrench f that moves with a.
+/// Rate of change of a wrench f that is fixed in a body moving with a.
 template <typename S>
 inline Screw<S> cross_wrench(const Screw<S>& a, const Screw<S>& f) {
   return {cross(a.w, f.w) + cross(a.v, f.v), cross(a.w, f.v)};
@@ -74,7 +74,7 @@ inline Screw<S> wrench(const InertiaOf<S>& I, const Screw<S>& a) {
   return {cross(I.h, a.v) + own, I.m * a.v + cross(w, I.h)};
 }
 
-/// Motion of the masses of a body, or of several: the sums of m xdot and of m x xdot'.
+/// Sums of m xdot and of m x xdot' over the masses of one body or of several.
 template <typename S>
 struct Momentum {
   Vec3<S> p;
@@ -91,14 +91,14 @@ inline Momentum<S> momentum(const InertiaOf<S>& I, const Screw<S>& velocity) {
            I.h.z * v + cross(w, Vec3<S>{I.xz, I.yz, I.zz})}};
 }
 
-/// Wrench of the accelerations w x xdot.
+/// Wrench that gives the masses the accelerations w x xdot.
 template <typename S>
 inline Screw<S> wrench(const Momentum<S>& c, const Vec3<S>& w) {
   const S trace = c.W.row0.x + c.W.row1.y + c.W.row2.z;
   return {trace * w - rotate_back(c.W, w), cross(w, c.p)};
 }
 
-/// The vector g of w . g = axis . wrench(c, w).
+/// The vector g for which w . g = axis . wrench(c, w) holds for every w.
 template <typename S>
 inline Vec3<S> spin_of(const Momentum<S>& c, const Screw<S>& axis) {
   const S trace = c.W.row0.x + c.W.row1.y + c.W.row2.z;
@@ -136,7 +136,7 @@ struct ArticulatedInertia {
   Symmetric3<S> J;
   Mat3<S> H;
   Symmetric3<S> M;
-  Mat3<S> spin_moment, spin_force;  ///< of a rotation w: those of the accelerations w x xdot
+  Mat3<S> spin_moment, spin_force;  ///< map w to the moment and force of the accelerations w x xdot
 };
 
 /// Quantities of a joint that the passes along articulated bodies read.
@@ -245,8 +245,8 @@ struct WorldRecursion {
              lane_vector(kMomentum + 9, g)}};
   }
 
-  /// x of a link's joint. Where every joint has a coordinate of its own, that coordinate takes the
-  /// place of the joint variable, and its coefficient is part of the axis.
+  /// The value of x for a link's joint variable. Where every joint has a coordinate of its own, that coordinate
+  /// replaces the joint variable, and its coefficient is part of the axis.
   static S of_joint(const Links& tree, int k, const S* x) {
     if (x == nullptr) return S(0.0);
     const Link& link = tree.link[k];
@@ -399,11 +399,11 @@ struct WorldRecursion {
     }
   }
 
-  /// The torque of link k's joint that goes with kWrench.
+  /// The torque of link k's joint under the wrench kWrench.
   S torque(int k) const { return dot(screw(kAxis, k), screw(kWrench, k)); }
 
-  /// Two arrays whose products are the entries of a matrix: `row` of the row's link times `column`
-  /// of the column's, each a screw; and two vectors, unless negative.
+  /// Quantities whose products are the entries of a matrix: the screw `row` of the row's link times the screw
+  /// `column` of the column's link, and two vectors in the same way, unless their indices are negative.
   struct Products {
     int row, column;
     int row_vector = -1, column_vector = -1;
@@ -461,7 +461,7 @@ struct WorldRecursion {
       return last >= 0 ? a : b;
     }
   }
-  static auto lane_index() {  // no array: lanes that are set one by one go through memory
+  static auto lane_index() {  // not an array, since lanes that are set one by one go through memory
     typename L::Mask index;
     for (int l = 0; l < lanes(); ++l) index[l] = l;
     return index;

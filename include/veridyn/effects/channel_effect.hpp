@@ -61,7 +61,7 @@ class ChannelEffect : public Effect {
   /// effects with such columns.
   virtual bool has_rigid_columns() const { return false; }
 
-  /// These columns; empty if they vanish for this arm, for example without gravity.
+  /// Columns as torques of the bodies; empty if they vanish for this arm, for example without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> joint) const;
 
   /// Adds the error to an arm. @param joint  nullopt: all joints. @param from  the other joint of an error

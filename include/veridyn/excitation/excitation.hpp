@@ -74,8 +74,8 @@ struct ExcitationOptions {
   /// use the arm's own values.
   std::optional<std::pair<Cause, Cause>> between{};
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
-  /// Above zero, and below 1: the criterion uses the essential parameters only, see EssentialParameters. Not
-  /// available for kDiscriminate.
+  /// Threshold EssentialParameters::share, at least 0 and below 1. Above 0, the criterion uses the essential
+  /// parameters only; this is not available for kDiscriminate.
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches; the best one is returned

@@ -11,7 +11,7 @@ namespace veridyn {
 
 /// All points within `radius` of the straight line between two points of a frame [m].
 struct Capsule {
-  std::string frame;  ///< "world": it stands still
+  std::string frame;  ///< "world": fixed in the world
   Eigen::Vector3d from{0, 0, 0};
   Eigen::Vector3d to{0, 0, 0};
   double radius = 0.0;
@@ -23,7 +23,8 @@ struct LinkShape {
   std::string frame;
   Kind kind = Kind::kBox;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< T_frame_shape
-  Eigen::Vector3d size{0, 0, 0};  ///< [m] edges of a box; radius, radius, length of a cylinder; radius thrice
+  Eigen::Vector3d size{0, 0, 0};  ///< [m] edges of a box; (radius, radius, length) of a cylinder; (radius, radius,
+                                  ///< radius) of a sphere
   std::string colour;             ///< "#rrggbb"; empty: none given
   /// Vertices of a mesh, in its own axes [m].
   std::vector<Eigen::Vector3d> points;

@@ -1,4 +1,4 @@
-// files/: readers and writers of robot files (YAML, URDF, MJCF, SDF, JSON, C), and what they need of files and words.
+// files/: readers and writers of robot files (YAML, URDF, MJCF, SDF, JSON, C), with helpers for files and text.
 #pragma once
 
 #include <map>

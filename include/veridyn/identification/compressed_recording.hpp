@@ -35,9 +35,9 @@ struct CompressedRecording {
   bool detached = false;  ///< only the factor is available, not the samples
 };
 
-/// @param path     a recording; read twice, first its first minutes for the period, then as a whole.
-/// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does not depend
-/// on the number.
+/// @param path     a recording. It is read twice: its first minutes to find the period, then the whole.
+/// @param threads  one thread reads ahead, the others share the joints; 0: one per core. The result does not
+///   depend on the number.
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads = 1);
 CompressedRecording compress(const Model& arm, const Recording& recording,

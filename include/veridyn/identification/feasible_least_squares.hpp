@@ -78,7 +78,7 @@ enum class FeasibleStatus {
   kNotConverged
 };
 
-/// Foundation of the lower bound, or of the verdict kInfeasible.
+/// Basis of the lower bound, or of the status kInfeasible.
 enum class Certificate {
   kRigorous,  ///< weak duality; dual residuals and rounding multiplied by bounds that follow from
               ///< G, h and J >= 0

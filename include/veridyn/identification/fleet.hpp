@@ -28,7 +28,7 @@ struct FleetOptions {
   std::function<void(const std::string&, double)> progress;
 };
 
-/// A parameter that differs from arm to arm, over the fleet.
+/// Distribution over the fleet of a parameter that differs from arm to arm.
 struct FleetSpread {
   std::string name;
   std::string unit;
@@ -41,7 +41,7 @@ struct FleetSpread {
 struct FleetOutlier {
   std::string arm;
   std::string what;   ///< a parameter, or "torque_gain:JOINT"
-  std::optional<JointIndex> joint;  ///< nothing for a parameter of no joint
+  std::optional<JointIndex> joint;  ///< nullopt for a parameter of no joint
   double value = 0.0; ///< value of the arm
   double median = 0.0;
   double deviations = 0.0;  ///< robust standard deviations away from the fleet

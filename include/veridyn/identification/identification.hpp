@@ -95,7 +95,8 @@ struct RecordingError {
   VectorXd noise_floor;  ///< relative, (n); empty if nothing repeats
   double period = 0.0;   ///< [s] of the motion; 0: no repetition
   PredictionSeries series;
-  std::string learned_from;  ///< of a test recording: a training recording that holds its rows, so that its error is not held out
+  std::string learned_from;  ///< for a test recording: a training recording that contains its rows, so that its
+                             ///< error is not held out
 };
 
 /// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated
@@ -151,7 +152,8 @@ struct Identification {
   /// Standard parameters of the arm that these recordings do not determine.
   std::vector<std::string> undetermined;
   std::vector<std::string> still_joints;  ///< coordinates that never move
-  std::vector<std::string> still_in_test;  ///< coordinates that hardly move in the test recordings: these judge neither their friction nor their inertia
+  std::vector<std::string> still_in_test;  ///< coordinates that hardly move in the test recordings, whose errors
+                                           ///< therefore do not test their friction or inertia
   std::vector<RecordingError> train, test;
   PredictionError train_error, test_error;  ///< over all recordings, on every row as recorded
   /// Over all recordings, see RecordingError; empty where no row was interpolated or excluded.
@@ -161,7 +163,7 @@ struct Identification {
   VectorXd parameter_deviations;  ///< NaN where only a combination is determined
   std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording> factors;  ///< of the training recordings, for computations without their samples
-  /// Sentences on recordings that cannot serve as what they are given for.
+  /// Sentences on recordings that are unsuitable as training or test data.
   std::vector<std::string> warnings;
   /// Sentences on friction added to that of the robot file, and on every velocity that was replaced
   /// by the derivative of the position, see choose_velocities.
@@ -175,7 +177,7 @@ struct Identification {
   /// One sentence: joints by state, with the recommendation, see verdict_of(); without a model the reason.
   std::string verdict() const;
 };
-/// The report.
+/// Writes report().
 std::ostream& operator<<(std::ostream& out, const Identification& id);
 
 /// Identifies the arm from training recordings and validates it on test recordings, which are not

@@ -30,7 +30,7 @@ struct Link {
   JointType type;
   bool A_moves;  ///< false: the joint's origin coincides with the parent's
   bool B_is_identity;
-  bool forks;  ///< has a child other than the next link
+  bool forks;  ///< true: the link has a child other than the next link
   bool quarter_turn;  ///< A turns about x by exactly +-90 degrees, as most axes of most arms do
   Posed A;        ///< T_parent_joint
   Posed B;        ///< T_joint_link
@@ -39,7 +39,7 @@ struct Link {
   int first_support, end_support;  ///< in ascending order of coordinates
 };
 
-/// A body's place on a link.
+/// The pose of a body or of a frame on a link.
 struct BodyPlace {
   int link;  ///< -1: the world
   bool is_identity;

@@ -16,7 +16,8 @@ class PointMotion {
   /// @param offset  of the point, in the frame.
   PointMotion(const Tree& arm, int frame, const Vec3d& offset = {0, 0, 0});
 
-  /// Computes everything. @param q, dq  n entries each. Cost: O(joints above the frame).
+  /// Computes pose, twist, Jacobian and its derivative. @param q, dq  n entries each. Cost: O(joints above the
+  /// frame).
   void update(const double* q, const double* dq) noexcept;
   /// Computes pose and Jacobian; the rest stays as it is.
   void update(const double* q) noexcept;
@@ -27,7 +28,7 @@ class PointMotion {
   const Posed& pose() const { return T_; }         ///< T_world_frame, its origin at the point
   const Vec3d& velocity() const { return v_; }     ///< of the point
   const Vec3d& omega() const { return omega_; }
-  /// (6 x n), linear rows first; and its time derivative.
+  /// The geometric Jacobian (6 x n), linear rows first; and its time derivative.
   const MatrixXd& jacobian() const { return J_; }
   const MatrixXd& jacobian_rate() const { return dJ_; }
 

@@ -35,7 +35,7 @@ inline Mat3<typename ConstantOf<S>::type> constant(const Mat3d& R) {
   return {constant<S>(R.row0), constant<S>(R.row1), constant<S>(R.row2)};
 }
 
-/// E = [alpha]x + [omega]x [omega]x by columns: a point at p accelerates by E p against the origin.
+/// E = [alpha]x + [omega]x [omega]x by columns: E p is the acceleration of a point at p relative to the origin.
 template <typename S>
 struct Spin {
   Vec3<S> x, y, z;
@@ -127,7 +127,7 @@ inline void transform_motion(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
 
 }  // namespace recursion_detail
 
-/// c . x of one link's joint variable.
+/// The product c . x over the coordinates of one link's joint variable.
 template <typename S>
 inline S along_joint(const Links& tree, const Link& link, const S* x) {
   using C = typename ConstantOf<S>::type;

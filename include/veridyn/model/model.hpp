@@ -109,7 +109,7 @@ inline bool operator!=(FrameIndex a, FrameIndex b) {
 /// One frame of the tree. T_parent_frame = A * J(s) * B, where J turns about z or slides along z.
 struct Frame {
   std::string name;
-  std::optional<FrameIndex> parent;  ///< nothing: the world
+  std::optional<FrameIndex> parent;  ///< nullopt: the world
   JointType type = JointType::kFixed;
   Axis variable;              ///< s; coefficients are zero where fixed
   Posed A = identity_pose();  ///< T_parent_joint
@@ -182,7 +182,7 @@ struct ModelDescription {
 /// An arm: frames, bodies and effects. Immutable.
 class Model {
  public:
-  /// No arm: without joints, for a variable that one is assigned to.
+  /// An empty model without joints, to which a model can be assigned.
   Model() = default;
 
   /// @throws InvalidInput  a frame precedes its parent, names are not unique, or sizes differ.

@@ -33,8 +33,8 @@ enum class VelocitySource { kRecorded, kDerived };
 /// Treatment of rows that a late publisher repeated, see SoundRows.
 enum class StaleRows { kFilled, kKept };
 
-/// An interval of a recording that is excluded from the fit and the errors of one joint, or of all:
-/// a contact, a local sticking.
+/// An interval of a recording, such as a contact or a local sticking, that is excluded from the fit and the
+/// errors of one joint or of all.
 struct ExcludedInterval {
   std::string source;  ///< path of the recording
   std::optional<int> joint = {};  ///< from 0; nullopt: all joints
@@ -77,7 +77,8 @@ struct PreprocessingOptions {
   /// Keeps one of this many samples after the filter; 0: as many samples as four times the cut-off needs.
   int decimation = 0;
   std::vector<ExcludedInterval> excluded_intervals;
-  /// By source; samples of other recordings have weight one. Errors are measured without weights.
+  /// Weights by the source of a recording; samples of other recordings have weight one. Errors are measured
+  /// without weights.
   std::map<std::string, std::shared_ptr<const SampleWeights>> weights;
   /// [s] by source: known periods of the motion (0: it does not repeat), which are then not
   /// detected again.

@@ -29,7 +29,7 @@ struct RecordingFacts {
   std::vector<JointMatch> matched;  ///< joints that were searched for by name; empty: none were
   std::vector<TopicFacts> topics;   ///< of a container; empty otherwise
   std::vector<std::string> remarks; ///< whole sentences for the user
-  double start = 0.0;  ///< [s since 1970] of time 0; 0: the time column is as in the file
+  double start = 0.0;  ///< [s since 1970] of time 0; 0: times are those of the file
 
   /// "joints matched: shoulder_pan = shoulder_pan_joint, ..."; empty if no names were matched.
   std::string match() const;

@@ -79,7 +79,7 @@ const char* name_of(Severity severity);
 ///   rate_contradiction  dq = value * dq/dt of q, the same value on all moving joints
 ///   velocity_scale      as rate_contradiction, on this joint only
 ///   velocity_sign       as rate_contradiction, with a value near -1
-///   degrees             q or dq looks like degrees (dq 57.3 times too large; q beyond 4 pi most of
+///   degrees             q or dq seems to be in degrees (dq 57.3 times too large; q beyond 4 pi most of
 ///                       the time)
 ///   velocity_quantised  dq is quantised coarsely; value: step; share: step by the signal's range
 ///   torque_quantised    torque or current is quantised coarsely; value: step; share: step by the signal's range
@@ -91,7 +91,7 @@ const char* name_of(Severity severity);
 ///   no_motion           no joint moves
 ///   period              the motion repeats; value: the period [s]
 ///   remark              remark of the reader (a truncated file, repeated time stamps)
-///   short_recording     too few rows for more than checks of numbers and time
+///   short_recording     too few rows for any checks except those of numbers and time
 ///
 /// Memory is bounded: the checks of velocities, transient and period, and the scales of the others,
 /// use the first 200,000 rows. Cost: one pass over the file, and about 1 s for that part.

@@ -15,10 +15,10 @@
 
 namespace veridyn {
 
-// Pages of `veridyn COMMAND --report`: one HTML file that needs neither a network nor other files.
-// Its first screen says what was done, whether the result is good and what comes next; figures can
-// be saved, and the arm moves. Every number in its text comes from to_json(), which the page
-// contains as the element "result".
+// Pages of `veridyn COMMAND --report`: one HTML file that needs neither a network nor other files. Its first
+// screen shows what was done, whether the result is good and what to do next; figures can be saved, and the
+// drawing of the arm moves. Every number in its text comes from to_json(), which the page contains as the
+// element "result".
 //
 // @param command  the command line of the run, shown verbatim; empty: none.
 

@@ -10,9 +10,9 @@ namespace veridyn {
 /// Results of watching one source, for reports.
 struct WatchedSource {
   std::string source;
-  double from = 0.0, to = 0.0;  ///< [s]
-  double blind = 0.0;           ///< [s] of it in which nothing could be watched
-  double learned = 0.0;         ///< [s] of it in which the noise was learned and no alarm possible
+  double from = 0.0, to = 0.0;  ///< [s] watched interval
+  double blind = 0.0;           ///< [s] part of it in which nothing could be watched
+  double learned = 0.0;         ///< [s] part of it in which the noise was estimated and no alarm was possible
   std::vector<WatchEvent> events;
   std::vector<WatchState> states;  ///< one for each step
 

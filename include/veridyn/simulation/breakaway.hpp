@@ -9,9 +9,9 @@ namespace veridyn {
 
 struct BreakawayOptions {
   JointIndex joint;
-  double way = 0.0;  ///< [rad], [m] displacement that ends its rest; 0: 10 mrad or 1 mm
-  /// [rad/s], [m/s] speed above which it slides; 0: 50 mrad/s or 5 mm/s. Presliding friction allows creep of
-  /// up to a millimetre before the joint slides.
+  double way = 0.0;  ///< [rad], [m] displacement that ends the joint's rest; 0: 10 mrad or 1 mm
+  /// [rad/s], [m/s] speed above which the joint slides; 0: 50 mrad/s or 5 mm/s. Presliding friction allows
+  /// creep of up to a millimetre before that.
   double speed = 0.0;
   double rest = 0.5;  ///< [s] required duration of the rest
 };
@@ -47,8 +47,8 @@ struct Breakaway {
 ///
 /// Before each ramp the model creeps, heavily damped, until it rests under the recorded effort, so
 /// that presliding friction starts in the recorded state; this creep is subtracted from
-/// simulated_q. A jump of the recorded position (a new start) ends a ramp without an event. A ramp
-/// starts low: rests with an effort above 60 % of the onset are pauses. Rests against an end stop
+/// simulated_q. A jump of the recorded position (a new start) ends a ramp without an event. Rests with an
+/// effort above 60 % of the one at the onset are pauses within a ramp and start none. Rests against an end stop
 /// are excluded.
 /// @throws InvalidInput  sizes differ, or the joint does not exist.
 Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,

@@ -15,7 +15,7 @@ struct ReplayInput {
   MatrixXd tau;           ///< (rows x n) as recorded
   std::vector<char> use;  ///< (rows) 0: in a gap or at an edge, excluded from the errors
   RecordingQuality quality{};           ///< of the recording
-  /// Velocities derived from positions, rows that were interpolated.
+  /// Remarks on velocities derived from positions, and on rows that were interpolated.
   std::vector<std::string> remarks{};
 };
 

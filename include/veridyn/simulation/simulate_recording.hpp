@@ -13,7 +13,7 @@ struct SimulationOptions {
   std::vector<HiddenEffect> hidden;
   SensorNoise noise;  ///< default: ideal
   unsigned seed = 1;  ///< of the noise
-  int substeps = 4;   ///< states per row that effects with memory see
+  int substeps = 4;   ///< states per row at which effects with memory are evaluated
 };
 
 /// True signals of a simulated arm and their recording.

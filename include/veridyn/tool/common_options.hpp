@@ -76,7 +76,7 @@ void require_writable(const std::string& path, const std::string& next, const Mo
   require_writable(next, more...);
 }
 
-/// Writes --json and --report where they were given. @param page  what to_page() takes behind the result.
+/// Writes --json and --report where they were given. @param page  arguments of to_page() after the result.
 template <typename Result, typename... Page>
 void write_results(const CommonOptions& common, const Result& result, const Page&... page) {
   if (!common.json.empty()) write_file(common.json, to_json(result));

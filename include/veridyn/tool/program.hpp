@@ -15,7 +15,7 @@ enum ExitStatus {
   kWrongUsage = 2,
   kBadInput = 3,
   kDataCannotAnswer = 4,
-  kInterrupted = 130,  ///< Ctrl-C ended the work before its end; what was written is whole
+  kInterrupted = 130,  ///< Ctrl-C ended the work early; files that were written are complete
 };
 
 /// Result of the command that ran. A command that returns normally is done; bad input and wrong

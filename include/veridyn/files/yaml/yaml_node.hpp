@@ -13,7 +13,7 @@ namespace veridyn {
 /// State of reading one file.
 struct YamlSource {
   std::string file;
-  Constants constants;                          ///< known so far
+  Constants constants;                          ///< constants read so far
   std::map<std::string, std::string> formulas;  ///< expressions read so far, by path
   std::string expected = "a robot file";        ///< kind of file, for messages
 };

@@ -22,7 +22,7 @@ namespace veridyn {
 //
 // and a page may add lists of its own. Columns are packed_values().
 
-inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
+inline constexpr Eigen::Index kCurveSamples = 3000;  ///< largest number of samples of one curve
 
 /// Every `step`-th value as 16-bit numbers in base64: {"from", "step", "int16"}, value = from + k step,
 /// where zero is one of the steps, and k = 65535 is a value that is not finite.
