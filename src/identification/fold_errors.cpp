@@ -78,7 +78,7 @@ std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordin
   return out;
 }
 
-// Sum of squares of every joint's torque, estimated from its series, for so many rows.
+// Sum of squares of every joint's torque over this number of rows, estimated from its series.
 VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
   VectorXd out = rows;
   for (Eigen::Index j = 0; j < rows.size(); ++j) {

@@ -56,7 +56,7 @@ class AdaptiveFriction {
  private:
   struct Learned {
     double share = 1.0;
-    double speed = 0.0;    // at the previous update
+    double speed = 0.0;    // value at the previous update
     double applied = 0.0;  // compensation since the previous update
     double place = 0.0;    // s is counted from this position
     bool first = true;

@@ -18,11 +18,11 @@ namespace veridyn {
 struct Measured {
   /// Positions alone, without a force sensor.
   explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
-  VectorXd q;   ///< (n) as measured by the encoders [rad], [m]
+  VectorXd q;   ///< (n) encoder positions [rad], [m]
   VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: those of the velocity observer
   double age = 0.0;        ///< [s] age of the positions
-  double age_range = 0.0;  ///< [s] by which they may be younger, see SafetyInput::sensor_age_range
-  /// [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
+  double age_range = 0.0;  ///< [s] positions may be younger by this, see SafetyInput::sensor_age_range
+  /// Wrench [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
   Vector6d wrench{Vector6d::Zero()};
   double wrench_age = 0.0;  ///< [s] age of the wrench
 };
@@ -41,9 +41,9 @@ enum class Signals {
 
 /// Settings of the observers, the compensation and the supervision around a control law.
 struct CycleOptions {
-  double velocity_bandwidth = 300.0;  ///< [1/s] of VelocityObserver
+  double velocity_bandwidth = 300.0;  ///< [1/s] bandwidth of VelocityObserver
   FrictionOptions friction{};         ///< share 0: friction is not compensated
-  double error_bandwidth = 10.0;      ///< [1/s] of ModelErrorObserver; 0: it is off
+  double error_bandwidth = 10.0;      ///< [1/s] bandwidth of ModelErrorObserver; 0: off
   /// Largest torque of ModelErrorObserver [N m], [N]; nullopt: the model's uncertainty in the present motion,
   /// see TorqueUncertainty.
   std::optional<Gain> error_limit{};
@@ -60,7 +60,7 @@ struct CycleOptions {
 struct ControllerFault {
   SafetyFault what = SafetyFault::kNone;
   std::optional<JointIndex> joint;  ///< nullopt: the fault concerns no single joint
-  double time = 0.0;                ///< [s] since the controller was made or reset
+  double time = 0.0;                ///< [s] time since the controller was made or reset
 };
 /// "position limit of joint 2 at 1.204 s"; joints count from 1.
 std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
@@ -97,7 +97,7 @@ class ControlCycle {
   void command(const VectorXd& tau) noexcept { tau_ = tau; }
   /// Positions (n) with which the supervisor compares the measured ones in this cycle.
   void track(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
-  /// As FrictionCompensation::update().
+  /// Adds FrictionCompensation::update() with these arguments to the command.
   void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
   /// @param y  (n) acceleration that the torque would cause if the model were exact. A cycle without this
   /// call clears the observer.
@@ -131,7 +131,7 @@ class ControlCycle {
   std::optional<ControllerFault> fault() const noexcept;
 
   int joints() const { return state_.joints(); }
-  const ArmState& state() const { return state_; }  ///< with true positions
+  const ArmState& state() const { return state_; }  ///< evaluated at true positions
   /// Measured wrench of this cycle.
   const Vector6d& wrench() const { return wrench_; }
   const JointSensors& sensors() const { return sensors_; }

@@ -50,7 +50,7 @@ struct CooperativeOptions {
   /// True: a TetherGuard moves the other ends while targets are held, so that a falling arm does not jerk
   /// members.
   bool guard = true;
-  TetherGuardOptions tether;  ///< its period is the controller's
+  TetherGuardOptions tether;  ///< options of the guard; its period is replaced by that of the controller
 };
 
 /// Measurements of one update(); sized by the controller's constructor.
@@ -61,7 +61,7 @@ struct CooperativeInput {
         healthy(static_cast<size_t>(arms), 1),
         located(healthy),
         force(static_cast<size_t>(members)) {}
-  std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
+  std::vector<Eigen::Vector3d> position;  ///< [m] position of each tip in the world
   std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
   std::vector<char> healthy;              ///< 0: this arm no longer follows its targets
   std::vector<char> located;  ///< 0: its position is unknown, and `position` holds an old value
@@ -72,8 +72,8 @@ struct CooperativeInput {
 struct TipTarget {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): motion and force [m]
   Eigen::Vector3d motion{Eigen::Vector3d::Zero()};  ///< x_d: reference of the motion alone [m]
-  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] of x_d
-  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] of x_d
+  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] derivative of x_d
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] second derivative of x_d
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
   /// Part of position, velocity and acceleration by which the tip retreats while targets are held,
   /// for arms that otherwise hold their own position.
@@ -179,9 +179,9 @@ class CooperativeController {
   struct Watch {  // state of the checks on one sensor
     double force = 0.0, length = 0.0;
     std::optional<long> number;
-    double last_force = 0.0, last_length = 0.0;  // of the previous sample
+    double last_force = 0.0, last_length = 0.0;  // values of the previous sample
     std::optional<long> last_number;
-    double silent = 0.0;                         // [s] since the start without any sample
+    double silent = 0.0;                         // [s] time since the start without any sample
     bool compared = false;  // true: the values below are those at the last arrival of the wanted force
     double sound_force = 0.0, sound_length = 0.0;
     Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
@@ -209,7 +209,7 @@ class CooperativeController {
   std::vector<TipTarget> targets_;
   QuinticInterpolator centre_, angle_, wanted_;
   std::vector<QuinticInterpolator> grips_;                // grasp points r_i
-  std::vector<Eigen::Vector3d> relief_;  // [m] in the world, while targets are held
+  std::vector<Eigen::Vector3d> relief_;  // [m] retreat of each tip in the world, while targets are held
   // orientation at the start of the current rotation
   Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};

@@ -103,7 +103,7 @@ class FrictionCompensation {
  private:
   struct Axis {
     VectorXd c;
-    std::vector<JointCoefficient> along;  // its nonzero entries
+    std::vector<JointCoefficient> along;  // nonzero entries of c
     double offset = 0.0;
     double squared = 0.0;  // |c|^2
     bool prismatic = false;

@@ -31,7 +31,7 @@ class JointPid {
  private:
   PidGains gains_;
   PidLimits limits_;
-  VectorXd integral_;  ///< as torque
+  VectorXd integral_;  ///< integral terms [N m], [N]
 };
 
 }  // namespace veridyn

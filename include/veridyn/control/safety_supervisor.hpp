@@ -13,7 +13,7 @@ namespace veridyn {
 enum class SafetyState {
   kDisabled,  ///< motors off
   kHoming,    ///< the controller moves the arm, at reduced speed
-  kReady,     ///< at rest, ready for activate()
+  kReady,     ///< the arm rests, and activate() is allowed
   kActive,    ///< the controller moves the arm
   kHolding,   ///< holds position on command; activate() continues
   kFault      ///< the safe action of the fault is applied, until reset()
@@ -62,16 +62,16 @@ SafetyAction action_of(SafetyFault fault) noexcept;
 struct SafetyLimits {
   VectorXd lower, upper;              ///< (n) [rad], [m]
   VectorXd velocity;                  ///< (n) [rad/s], [m/s]
-  VectorXd torque;                    ///< (n) of the motors [N m], [N]
+  VectorXd torque;                    ///< (n) limit of the motors [N m], [N]
   VectorXd tracking;                  ///< (n) wanted minus measured position [rad], [m]
-  VectorXd resolution;                ///< (n) of positions: one step of an encoder; empty: zero
-  double force = 15.0;                ///< [N] at the tip
+  VectorXd resolution;                ///< (n) resolution of positions: one step of an encoder; empty: zero
+  double force = 15.0;                ///< [N] largest force at the tip
   double force_disagreement = 6.0;    ///< [N] between the sensor and MomentumObserver
   double disagreement_seconds = 0.1;  ///< [s] for which it must persist
-  double sensor_age = 0.003;          ///< [s] of positions
-  double force_age = 0.01;            ///< [s] of the force
-  double overrun = 0.005;             ///< [s] between two updates
-  double torque_seconds = 0.2;        ///< [s] of motor saturation that is allowed
+  double sensor_age = 0.003;          ///< [s] largest age of positions
+  double force_age = 0.01;            ///< [s] largest age of the force
+  double overrun = 0.005;             ///< [s] longest time between two updates
+  double torque_seconds = 0.2;        ///< [s] longest motor saturation
   double homing_share = 0.2;          ///< share of the velocity limit while homing
   double braking = 30.0;              ///< [1/s]: braking is -braking dq; stops within dq / braking
   /// [s] within which the kinetic energy of a held arm must decrease to a half. Braking alone takes ln 2 / (2
@@ -95,11 +95,11 @@ SafetyLimits safety_limits(const Model& arm, double torque);
 struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
-  double dt = 0.001;               ///< [s] since the last update, as measured
+  double dt = 0.001;               ///< [s] measured time since the last update
   /// [s] age of the positions, since they were requested; if it has grown by dt, they are those of the last
   /// cycle
   double sensor_age = 0.0;
-  double sensor_age_range = 0.0;   ///< [s] by which they may be younger: the time until they arrived
+  double sensor_age_range = 0.0;   ///< [s] positions may be younger by this: the time until they arrived
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world
   double force_age = 0.0;          ///< [s] age of the force
   Eigen::Vector3d force_expected{0, 0, 0};  ///< MomentumObserver::force(); NaN: no comparison
@@ -109,8 +109,8 @@ struct SafetyInput {
 /// One detected fault.
 struct SafetyEvent {
   SafetyFault fault = SafetyFault::kNone;
-  std::optional<int> joint = {};  ///< from 0
-  double after = 0.0;  ///< [s] since the first fault
+  std::optional<int> joint = {};  ///< joint index from 0
+  double after = 0.0;  ///< [s] time since the first fault
 };
 
 /// Checks every cycle between controller and motors. On a fault it takes over within the same cycle with the
@@ -188,7 +188,7 @@ class SafetySupervisor {
   double since_sound_ = 0.0;  // [s] between the measurement of q_sound_ and that of the present positions
   double fault_for_ = 0.0;   // [s]
   bool watched_ = false;     // while held: energy_ is the reference of its kinetic energy
-  double energy_ = 0.0, slow_for_ = 0.0;  // [J]; [s] at rest
+  double energy_ = 0.0, slow_for_ = 0.0;  // kinetic energy [J] when it was last stored; time [s] since then
   std::array<SafetyEvent, 16> event_;
   int events_ = 0;
   VectorXd saturated_;  // (n) [s]

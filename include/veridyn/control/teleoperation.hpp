@@ -12,10 +12,10 @@ struct TeleoperationOptions {
   double scale = 0.5;         ///< motion of the follower per motion of the leader
   double force_scale = 1.0;   ///< force at the leader's tip per force at the follower's; 0: none
   double largest_force = 5.0;  ///< [N] largest force reflected to the leader
-  double damping = 4.0;       ///< [N s/m] at the leader's tip while the clutch is engaged
+  double damping = 4.0;       ///< [N s/m] damping of the leader's tip while the clutch is engaged
   double speed = 0.2;         ///< [m/s] largest speed of the follower
   double cutoff = 30.0;       ///< [Hz] low-pass of the reflected forces
-  double ramp = 0.1;          ///< [s] in which reflected forces fade in after the clutch engages
+  double ramp = 0.1;          ///< [s] fade-in time of reflected forces after the clutch engages
   double period = 1e-3;       ///< [s] interval between calls of update()
 };
 

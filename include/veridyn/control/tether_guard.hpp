@@ -12,7 +12,7 @@ struct TetherGuardOptions {
   double horizon = 0.03;     ///< [s] time constant of the approach to the largest length
   /// [N] compression that identifies a spring or a bar, as opposed to a string
   double least_push = 0.5;
-  double rest = 0.1;  ///< [s] in which the guard's motion decays when no member is near its limits
+  double rest = 0.1;  ///< [s] decay time of the guard's motion when no member is near its limits
   double acceleration = 40.0;  ///< [m/s^2] largest acceleration of a tip
   double speed = 3.0;          ///< [m/s] largest speed of a tip: a free fall of 0.46 m
   double smoothing = 40.0;     ///< [Hz] bandwidth of the estimated velocities and accelerations
@@ -42,7 +42,7 @@ class TetherGuard {
  public:
   struct Member {
     int from = 0, to = 1;
-    double stiffness = 0.0;  ///< [N/m] as far as known; 0: the length under load is taken as the unloaded length
+    double stiffness = 0.0;  ///< [N/m]; 0: unknown, the length under load is taken as the unloaded length
   };
   /// Correction of an end's reference.
   struct Motion {

@@ -15,7 +15,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// The controlled point of an arm.
 struct Tip {
   std::string frame;                                      ///< frame of the model
-  Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
+  Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] position of the point in that frame
 };
 
 /// The frame that the most joints move; if there are several, the last one.
@@ -46,7 +46,7 @@ class TipKinematics {
   const MatrixXd& jacobian() const { return motion_.jacobian(); }
   const MatrixXd& jacobian_rate() const { return motion_.jacobian_rate(); }
 
-  /// [v; omega] of the tip.
+  /// Twist [v; omega] of the tip in the world [m/s, rad/s].
   const Vector6d& twist() const { return twist_; }
 
  private:

@@ -492,7 +492,8 @@ struct ArmAlgorithms {
   static void mass_pairs(const Links& tree, S* M, const Memory& at) {
     at.world.forces(tree);
     matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
-    if (tree.in_order) return;  // else both halves are sums, each in an order of its own
+    if (tree.in_order) return;  // otherwise the two triangles are summed in different orders, and M would not be
+                                // exactly symmetric
     const int n = tree.joints;
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < i; ++j) M[j * n + i] = M[i * n + j];

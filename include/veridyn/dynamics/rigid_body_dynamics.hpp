@@ -41,8 +41,8 @@ class RigidBodyDynamics {
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         VectorXd& tau);
 
-  /// The same under external wrenches w: tau = M ddq + C dq + g - sum of J' w. At most as many
-  /// wrenches as the arm has frames.
+  /// Inverse dynamics under external wrenches w: tau = M ddq + C dq + g - sum of J' w. At most as many wrenches
+  /// as the arm has frames.
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         const std::vector<FrameWrench>& external, VectorXd& tau);
 

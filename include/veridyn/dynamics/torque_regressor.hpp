@@ -38,7 +38,7 @@ class TorqueRegressor {
   void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                 std::vector<MatrixXd>& Y) const;
 
-  /// The same for joints first .. end - 1 only; the other matrices stay as they are.
+  /// Computes Y[first] .. Y[end - 1] only; the other matrices are unchanged.
   void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, int first, int end,
                 std::vector<MatrixXd>& Y) const;
 

@@ -142,7 +142,7 @@ struct ArticulatedInertia {
 /// Quantities of a joint that the passes along articulated bodies read.
 template <typename S>
 struct ArticulatedJoint {
-  Screw<S> axis;     ///< as kAxis
+  Screw<S> axis;     ///< the axis kAxis
   Screw<S> reduced;  ///< articulated inertia times axis, over their product with the axis
   Vec3<S> spin;      ///< effort per unit of a rotation w by the accelerations w x xdot
   S inverse;         ///< 1 / that product
@@ -164,7 +164,7 @@ struct WorldRecursion {
   enum Quantity : int {
     kInertia = 0,     ///< m, h, second moments
     kMomentum = 10,   ///< p, W
-    kWrench = 22,     ///< that moves the link
+    kWrench = 22,     ///< wrench that moves the link
     kAxis = 28,       ///< motion per unit of the joint
     kForce = 34,      ///< wrench(inertia, axis)
     kSpin = 40,       ///< spin_of(momentum, axis)
@@ -173,7 +173,7 @@ struct WorldRecursion {
     kDrift = 55,         ///< rate of the axis, d
     kTurn = 61,          ///< half of the change of acceleration by the joint's position
     kByPosition = 67,    ///< half of the change of what kWrench sums up, by the joint's position
-    kByVelocity = 73,    ///< and by its velocity
+    kByVelocity = 73,    ///< half of that change by the joint's velocity
     kTorqueByPosition = 79,  ///< see articulated_changes()
     kTorqueByVelocity = 80,
     kArrays = 81

@@ -25,7 +25,7 @@ struct ChannelMotion {
 
 /// A column that is a torque of the arm's bodies, so that an excitation can be designed for it.
 struct RigidColumn {
-  Eigen::Vector3d gravity;  ///< [m/s^2] in place of the arm's own
+  Eigen::Vector3d gravity;  ///< [m/s^2] replaces the arm's gravity
   bool at_rest;             ///< true: velocities and accelerations are taken as zero
   VectorXd joints;          ///< (n) nonzero for joints whose rows count
 };

@@ -19,11 +19,11 @@ constexpr double kRestSpeed = 1e-4;  ///< [rad/s] or [m/s]
 
 /// One sample along an effect's axis s = c . q + s0.
 struct AxisSample {
-  double time = 0.0;    ///< [s] since the recording or the run began
+  double time = 0.0;    ///< [s] time since the recording or the run began
   double s = 0.0;       ///< [rad] or [m]
   double ds = 0.0;      ///< [rad/s] or [m/s]
   double dds = 0.0;     ///< [rad/s^2] or [m/s^2]
-  double from_s = 0.0;  ///< same variable of the other coordinate, for couplings
+  double from_s = 0.0;  ///< [rad] or [m] position of the other coordinate, for couplings
   double from_ds = 0.0;
   double load = 0.0;  ///< torque or force of the rigid bodies along the axis [N m] or [N]
 };
@@ -83,7 +83,7 @@ struct AxisMotion {
   double middle = 0.0;    ///< [rad] or [m] of its travel
   double travel = 0.0;    ///< [rad] or [m]
   double speed = 0.0;     ///< [rad/s] or [m/s] largest
-  double duration = 0.0;  ///< [s] of the longest recording; 0: unknown
+  double duration = 0.0;  ///< [s] duration of the longest recording; 0: unknown
   /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was
   /// computed.
   std::optional<std::vector<double>> waves{};
@@ -194,7 +194,7 @@ class BoundEffect {
   BoundEffect(const Model& arm, const EffectTerm& term);
 
   const AxisEffect& effect() const { return *effect_; }
-  const EffectTraits& traits() const { return traits_; }  ///< with these constants
+  const EffectTraits& traits() const { return traits_; }  ///< properties for the shape constants of this effect
   const EffectTerm& term() const { return term_; }
   int parameter_count() const { return static_cast<int>(parameters_.size()); }
   const std::vector<EffectParameter>& parameters() const { return parameters_; }

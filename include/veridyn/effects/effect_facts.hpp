@@ -43,7 +43,7 @@ class EffectFacts : private BoundEffect {
     return sum;
   }
 
-  /// The same effect with a state of its own, initially unloaded, for evaluation sample by sample.
+  /// This effect as a BoundEffect with its own state, initially unloaded, for evaluation sample by sample.
   const BoundEffect& bound() const { return *this; }
 };
 

@@ -51,9 +51,9 @@ bool is_built_in(ExcitationSolver solver);
 
 /// Scaling of the base regressor's columns before the condition number is computed.
 enum class ColumnScaling {
-  kNorm,  ///< to norm one (thesis 5.26)
-  kNone,  ///< as they are
-  /// Combined first into a basis that is orthogonal at random states within the limits, then scaled
+  kNorm,  ///< columns are scaled to norm one (thesis 5.26)
+  kNone,  ///< columns are not scaled
+  /// Columns are first combined into a basis that is orthogonal at random states within the limits, then scaled
   /// to norm one: this removes dependences of the arm's geometry that no motion can change.
   kOrthogonal,
 };
@@ -62,10 +62,10 @@ enum class ColumnScaling {
 const char* name_of(ColumnScaling scaling);
 
 struct ExcitationOptions {
-  double frequency = 0.13;  ///< [Hz] of the first harmonic
-  int harmonics = 5;        ///< at least 2: a single harmonic cannot start at rest
+  double frequency = 0.13;  ///< [Hz] frequency of the first harmonic
+  int harmonics = 5;        ///< number of harmonics, at least 2: a single one cannot start at rest
   double duration = 30.0;   ///< [s] requested; rounded to whole periods, at least two
-  double rate = 200.0;      ///< [Hz] of the samples
+  double rate = 200.0;      ///< [Hz] sample rate
   /// Slow passes back and forth of every joint (for kDiscriminate: of the joints of the two causes) after the
   /// last period, for friction: at constant speed and within all limits. The criterion does not include them.
   int slow_passes = 0;
@@ -90,7 +90,7 @@ struct ExcitationOptions {
   /// Share of its designed speed at which the motion is played, above 0 and at most 1: the same path, for a
   /// first run.
   double speed = 1.0;
-  /// [1/s] for the braking distance: a joint stops within dq / braking, see SafetyLimits::braking
+  /// [1/s] a joint stops within dq / braking: the braking distance, see SafetyLimits::braking
   double braking = 30.0;
   /// Friction in addition to that of the robot file, as a later identification will add it.
   JointFriction friction = JointFriction::kAuto;
@@ -163,9 +163,9 @@ struct Discrimination {
   std::string first, second;
   /// Part of the first cause's torque that remains after regression on all other columns.
   double first_left = 0.0;
-  double second_left = 0.0;  ///< the same of the second cause
-  /// The same as a share of the part that remains after regression on the rest of the model, 0 to
-  /// 1.
+  double second_left = 0.0;  ///< part of the second cause's torque that remains in the same way
+  /// These parts as shares of those that remain after regression on the rest of the model without the other
+  /// cause, 0 to 1.
   double first_share = 0.0, second_share = 0.0;
   bool bodies_known = false;  ///< the causes can be separated only if the bodies are known
 };
@@ -176,9 +176,9 @@ struct Discrimination {
 struct EssentialParameters {
   double share = 0.0;
   int count = 0;
-  double condition_number = 0.0;        ///< of their columns scaled to norm one
-  double plain_condition_number = 0.0;  ///< of the unscaled columns
-  double range_condition_number = 0.0;  ///< of the columns divided by their range
+  double condition_number = 0.0;        ///< condition number of their columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< condition number of the unscaled columns
+  double range_condition_number = 0.0;  ///< condition number of the columns divided by their range
   /// Regrouped parameters and what their columns would add; the largest first.
   std::vector<std::pair<std::string, double>> non_essential{};
 };
@@ -198,8 +198,8 @@ struct Excitation {
   /// where the condition number of scaled columns is the criterion, the base with the smallest one
   /// along this motion is chosen, otherwise the base at random states.
   std::vector<std::string> base{};
-  double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
-  double plain_condition_number = 0.0;  ///< of the unscaled columns
+  double condition_number = 0.0;        ///< condition number of the base regressor, columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< condition number of the unscaled base regressor
   /// Columns divided by the difference of their largest and smallest entries.
   double range_condition_number = 0.0;
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal

@@ -23,7 +23,7 @@ struct BaseParameters {
   std::vector<Identifiability> classes;  ///< class of every standard parameter
   std::vector<std::string> names;        ///< "beta1 ..": named after the independent parameter
   std::vector<std::string> expressions;  ///< "m_tool + 0.25 m_counterweight"
-  VectorXd singular_values;              ///< of the scaled columns, largest first
+  VectorXd singular_values;              ///< singular values of the scaled columns, largest first
   double rank_gap = 0.0;  ///< last kept over first dropped singular value; infinite if none was dropped
 
   int size() const { return static_cast<int>(independent.size()); }

@@ -31,7 +31,7 @@ struct CompressedRecording {
   MotionPeriod period;
   /// (n) relative error of a perfect model, from repeated periods; empty without repeats
   VectorXd noise_floor;
-  double rows = 0.0;     ///< over all joints
+  double rows = 0.0;     ///< number of rows, summed over all joints
   bool detached = false;  ///< only the factor is available, not the samples
 };
 
@@ -73,7 +73,7 @@ struct ErrorSums {
 /// A decimated series for plots: measured and modelled torque with the motion.
 struct PredictionSeries {
   int wanted = 3000;         ///< number of samples: this many to twice as many are kept
-  std::vector<double> time;  ///< [s] since the recording began
+  std::vector<double> time;  ///< [s] time since the recording began
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 

@@ -37,9 +37,9 @@ struct DriveGain {
 
 /// Estimates for one known mass.
 struct MountedLoad {
-  KnownMass known;  ///< with the recordings in which it is mounted
+  KnownMass known;  ///< the known mass, and the recordings in which it is mounted
   bool identified = false;
-  /// [m] in its frame; nullopt if the data do not determine it
+  /// Centre of the load in its frame [m]; nullopt if the data do not determine it.
   std::optional<Eigen::Vector3d> centre;
   Eigen::Vector3d centre_deviation = Eigen::Vector3d::Zero();
 };

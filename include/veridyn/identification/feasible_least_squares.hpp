@@ -61,7 +61,7 @@ struct FeasibleOptions {
   /// of ||z||/||R_j|| and the width of the interval that the bounds leave to x_j; a body when
   /// smallest_scaled_eigenvalue(J_k - margin*1) <= active_tolerance.
   double active_tolerance = 1e-6;
-  int max_iterations = 100;  ///< per attempt; up to three attempts if no feasible point is met
+  int max_iterations = 100;  ///< limit per attempt; up to three attempts if no feasible point is met
   EntropicPrior entropic_prior;
   QuadraticPrior quadratic_prior;
 };
@@ -98,7 +98,7 @@ struct ActiveRow {
 struct ActiveBody {
   int body = 0;                    ///< index into body_columns
   double scaled_eigenvalue = 0.0;  ///< smallest_scaled_eigenvalue of its matrix minus the margin
-  Eigen::Vector4d eigenvalues;     ///< of its matrix, ascending
+  Eigen::Vector4d eigenvalues;     ///< eigenvalues of its matrix, ascending
   Eigen::Matrix4d multiplier;      ///< Z_k >= 0: d cost = <Z_k, d(margin*1)>
 };
 

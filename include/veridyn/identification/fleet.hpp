@@ -54,7 +54,7 @@ struct FleetLeftOut {
   std::string arm;
   JointIndex joint;             ///< the joint of the largest deviation
   double with_fleet = 0.0;  ///< unexplained share of that joint's torque with the fleet's bodies
-  double with_own = 0.0;        ///< the same with bodies of its own
+  double with_own = 0.0;        ///< unexplained share with bodies of its own
   double excess = 0.0;          ///< ln of the squared ratio of the two, the largest over the joints
   double median_excess = 0.0;   ///< median of `excess` over the fleet
   double deviations = 0.0;      ///< robust standard deviations from that median
@@ -73,8 +73,8 @@ struct FleetMember {
   int recordings = 0;
   double rows = 0.0;
   VectorXd own;  ///< values of its own parameters; NaN if its data do not determine them
-  VectorXd relative_error;  ///< (n) with the fleet's bodies and its own values
-  VectorXd alone_error;     ///< (n) with bodies of its own
+  VectorXd relative_error;  ///< (n) relative error with the fleet's bodies and the arm's own values
+  VectorXd alone_error;     ///< (n) relative error with the arm's own bodies
 };
 
 struct Fleet {
@@ -112,7 +112,7 @@ struct Fleet {
 Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
                      const FleetOptions& options = {});
 
-/// The same from factors in memory, one set per arm.
+/// identify_fleet() from factors in memory, one set per arm.
 Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names,
                      const std::vector<FactorSet>& factors, const FleetOptions& options = {});
 

@@ -43,7 +43,8 @@ struct IdentificationOptions {
   /// Friction that is identified in addition to that of the robot file; see Identification::remarks.
   JointFriction friction = JointFriction::kAuto;
   PreprocessingOptions preprocessing;
-  std::optional<PreprocessingOptions> test_preprocessing;  ///< of the test recordings; nullopt: the same
+  std::optional<PreprocessingOptions> test_preprocessing;  ///< options for the test recordings; nullopt:
+                                                           ///< `preprocessing`
   /// For kFeasible: regularises towards the inertial parameters of this model, by the entropic
   /// divergence; its bodies need values.
   std::optional<Model> prior;
@@ -84,16 +85,16 @@ struct BaseValue {
 /// Errors of the identified model on one recording.
 struct RecordingError {
   std::string source;
-  PredictionError error;  ///< on every row, as recorded
-  /// On every row, with repeated rows of a late publisher interpolated; empty if there were none.
+  PredictionError error;  ///< errors on every row, as recorded
+  /// Errors on every row, with repeated rows of a late publisher interpolated; empty if there were none.
   PredictionError repaired;
-  /// Outside of the intervals of PreprocessingOptions::excluded_intervals; empty if none is in this
+  /// Errors outside of the intervals of PreprocessingOptions::excluded_intervals; empty if none is in this
   /// recording.
   PredictionError without_excluded;
   FilledRows filled;
   long rows = 0;         ///< rows of the file
-  VectorXd noise_floor;  ///< relative, (n); empty if nothing repeats
-  double period = 0.0;   ///< [s] of the motion; 0: no repetition
+  VectorXd noise_floor;  ///< relative noise floor (n); empty if nothing repeats
+  double period = 0.0;   ///< [s] period of the motion; 0: no repetition
   PredictionSeries series;
   std::string learned_from;  ///< for a test recording: a training recording that contains its rows, so that its
                              ///< error is not held out
@@ -137,32 +138,34 @@ struct Identification {
   PreprocessingOptions preprocessing, test_preprocessing;
   double rows = 0.0;
   std::vector<BaseValue> base;
-  double condition_number = 0.0;         ///< of the unscaled base columns
-  double condition_number_scaled = 0.0;  ///< of the base columns scaled to norm one (thesis 5.26)
+  double condition_number = 0.0;         ///< condition number of the unscaled base columns
+  double condition_number_scaled = 0.0;  ///< condition number of the base columns scaled to norm one (thesis 5.26)
   double rank_gap = 0.0;
   double effective_samples = 0.0;  ///< effective sample size: rows corrected for autocorrelation
   bool feasible = false;           ///< every body's pseudo-inertia is positive definite
   double objective = 0.0;          ///< weighted sum of squares
-  double unconstrained_objective = 0.0;  ///< of unconstrained least squares on the same rows: <= objective
+  double unconstrained_objective = 0.0;  ///< objective of unconstrained least squares on the same rows: <=
+                                         ///< objective
   double duality_gap = 0.0;
   /// The duality gap is rigorous, because the robot file bounds all parameters.
   bool certified = false;
   std::vector<std::string> active_constraints;
-  std::vector<EndogeneityTest> endogeneity;  ///< (n) with kIv and kDidim; empty otherwise
+  std::vector<EndogeneityTest> endogeneity;  ///< (n) tests of kIv and kDidim; empty for other methods
   /// Standard parameters of the arm that these recordings do not determine.
   std::vector<std::string> undetermined;
   std::vector<std::string> still_joints;  ///< coordinates that never move
   std::vector<std::string> still_in_test;  ///< coordinates that hardly move in the test recordings, whose errors
                                            ///< therefore do not test their friction or inertia
   std::vector<RecordingError> train, test;
-  PredictionError train_error, test_error;  ///< over all recordings, on every row as recorded
-  /// Over all recordings, see RecordingError; empty where no row was interpolated or excluded.
+  PredictionError train_error, test_error;  ///< errors over all recordings, on every row as recorded
+  /// Errors over all recordings, see RecordingError; empty where no row was interpolated or excluded.
   PredictionError train_repaired, test_repaired, train_without_excluded, test_without_excluded;
   VectorXd noise_floor;           ///< relative, (n), of the training recordings
   VectorXd parameters;            ///< all standard parameters
   VectorXd parameter_deviations;  ///< NaN where only a combination is determined
   std::optional<Model> model;     ///< the arm with these values
-  std::vector<CompressedRecording> factors;  ///< of the training recordings, for computations without their samples
+  std::vector<CompressedRecording> factors;  ///< factors of the training recordings, for computations without their
+                                             ///< samples
   /// Sentences on recordings that are unsuitable as training or test data.
   std::vector<std::string> warnings;
   /// Sentences on friction added to that of the robot file, and on every velocity that was replaced

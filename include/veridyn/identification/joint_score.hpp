@@ -25,7 +25,7 @@ std::ostream& operator<<(std::ostream& out, const JointScore& score);
 /// @throws InvalidInput  there is no model (see status), or a recording is bad or does not fit the arm.
 std::vector<JointScore> validate(const Identification& fit, const Recordings& recordings);
 
-/// The same for any arm with values. @throws InvalidInput  as evaluate(); recordings without usable rows.
+/// Scores of any arm with values. @throws InvalidInput  as evaluate(); recordings without usable rows.
 std::vector<JointScore> validate(const Model& arm, const Recordings& recordings,
                                  const IdentificationOptions& options = {});
 

@@ -16,7 +16,7 @@ struct JointRows {
   std::vector<int> parameters;  ///< indices of the standard parameters that act on this joint
   MatrixXd A;                   ///< (samples x parameters)
   VectorXd b;                   ///< (samples) torque [N m] or [N]
-  VectorXd time;                ///< (samples) [s] since the recording began
+  VectorXd time;                ///< (samples) [s] time since the recording began
 };
 
 /// Computes rows of least squares from segments of samples, filtered and decimated according to the

@@ -39,7 +39,7 @@ namespace veridyn {
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options = {});
 
-/// The same for a recording in memory, whose joints are the arm's in its order.
+/// check_against() for a recording in memory, whose joints are the arm's in its order.
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
                                           const PreprocessingOptions& options = {});
 

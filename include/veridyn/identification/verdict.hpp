@@ -16,7 +16,7 @@ enum class IdentifiedState {
   kAtFloor,      ///< the residual is little above the noise floor
   kUnexplained,  ///< the residual is far above the floor: the model is incomplete
   kHardlyMoved,  ///< the joint hardly moves in the recordings
-  kNoTorque,     ///< its torque is always zero: it was not recorded, or the joint was not driven
+  kNoTorque,     ///< the joint's torque is always zero: it was not recorded, or the joint was not driven
   kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown, or the joint hardly moves in the test
 };
 /// "at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell".

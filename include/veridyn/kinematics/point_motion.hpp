@@ -26,7 +26,7 @@ class PointMotion {
 
   int joints() const { return tree_.joints; }
   const Posed& pose() const { return T_; }         ///< T_world_frame, its origin at the point
-  const Vec3d& velocity() const { return v_; }     ///< of the point
+  const Vec3d& velocity() const { return v_; }     ///< velocity of the point
   const Vec3d& omega() const { return omega_; }
   /// The geometric Jacobian (6 x n), linear rows first; and its time derivative.
   const MatrixXd& jacobian() const { return J_; }
@@ -43,8 +43,8 @@ class PointMotion {
 
   Tree tree_;
   Posed T_link_point_;
-  std::vector<Axis> axes_;  // from the world to the point
-  std::vector<double> angle_, sine_, cosine_;  // of the axes, in whole packs
+  std::vector<Axis> axes_;  // axes from the world to the point
+  std::vector<double> angle_, sine_, cosine_;  // angles of the axes, in whole packs
   Posed T_{identity_pose()};
   Vec3d v_{0, 0, 0}, omega_{0, 0, 0};
   MatrixXd J_, dJ_;

@@ -65,10 +65,10 @@ inline Vec3<S> apply(const Spin<S>& E, const Vec3<C>& p) {
 template <typename S>
 struct LinkState {
   S s, ds, dds;      ///< joint variable and its derivatives
-  S sine, cosine;    ///< of s; only where the joint is revolute
+  S sine, cosine;    ///< sine and cosine of s; only where the joint is revolute
   Mat3<S> R;         ///< R_parent_joint
   Vec3<S> omega;     ///< angular velocity
-  Vec3<S> alpha;     ///< its derivative
+  Vec3<S> alpha;     ///< angular acceleration
   Vec3<S> accel;     ///< acceleration of the origin, minus gravity
   Spin<S> E;         ///< spin matrix of omega and alpha
   Vec3<S> force;     ///< force and moment that move the link and all that it carries

@@ -75,8 +75,8 @@ struct Tree {
   std::vector<double> seeds;
   int seed_width = 0;
   std::vector<LinkPair> strangers;
-  bool independent = true;  ///< so far no coordinate moves two links and no link follows two or none
-  bool in_order = true;     ///< so far coordinate k alone moves link k
+  bool independent = true;  ///< true as long as no coordinate moves two links and every link follows exactly one
+  bool in_order = true;     ///< true as long as coordinate k alone moves link k
 };
 
 inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,

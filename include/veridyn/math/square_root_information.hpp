@@ -54,17 +54,17 @@ class SquareRootInformation {
   /// are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
 
-  /// The same, but columns that this factor does not have are ignored.
+  /// Like merge(), but columns that this factor does not have are ignored.
   void merge_known(const SquareRootInformation& other, double weight = 1.0);
 
   /// || A x - b ||^2 for x in the order of columns().
   double residual2(const VectorRef& x) const;
 
-  /// The same rows restricted to these columns, in this order. A column that the factor does not
+  /// A factor of these rows restricted to the given columns, in their order. A column that the factor does not
   /// have is zero.
   SquareRootInformation restricted(const std::vector<std::string>& columns) const;
 
-  /// The same rows after a change of variables x = T y: columns are named anew. T is (size() x new
+  /// A factor of these rows after a change of variables x = T y: columns are named anew. T is (size() x new
   /// size).
   SquareRootInformation transformed(const MatrixRef& T, std::vector<std::string> columns) const;
 
@@ -89,7 +89,7 @@ class SquareRootInformation {
 
   Names columns_ = no_names();
   Eigen::RowVectorXd data_;  // row by row: all columns of unfactored rows; of a triangle the columns from the diagonal on
-  VectorXd z_;               // their right-hand sides
+  VectorXd z_;               // right-hand sides of those rows
   double rho2_ = 0.0;
   double rows_ = 0.0;
 };

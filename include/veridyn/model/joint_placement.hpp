@@ -25,7 +25,7 @@ void place(Frame& frame, const JointPlacement& placement);
 /// The placement of any frame, also of one from a DH row. The offset of s is kept.
 JointPlacement joint_placement(const Frame& frame);
 
-/// The same for s without its offset, which moves into the origin, as does the tip as far as
+/// The placement with respect to s without its offset, which moves into the origin, as does the tip as far as
 /// possible.
 JointPlacement joint_placement_with_offset(const Frame& frame);
 

@@ -48,8 +48,8 @@ struct DhRow {
 using InertialParameters = Eigen::Matrix<double, 10, 1>;
 constexpr int kBodyParameters = 10;
 
-/// From mass, centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy, yy, xz, yz,
-/// zz).
+/// Inertial parameters from mass [kg], centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy,
+/// yy, xz, yz, zz).
 InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
                                        const Eigen::Matrix<double, 6, 1>& inertia_com);
 
@@ -65,8 +65,8 @@ struct ParameterBox {
 
 /// Provenance of the values in a robot file.
 enum class RobotValues {
-  kFacts,  ///< of this very arm, as in an identified model
-  kPrior,  ///< of its series: a manufacturer's file (URDF), or `values: prior` in YAML
+  kFacts,  ///< values of this very arm, as in an identified model
+  kPrior,  ///< values of its series: a manufacturer's file (URDF), or `values: prior` in YAML
 };
 
 /// "facts", "prior".
@@ -75,7 +75,7 @@ const char* name_of(RobotValues values);
 /// A rigid body that moves with its frame.
 struct Body {
   std::optional<InertialParameters> phi;      ///< known, initial or identified values
-  std::optional<InertialParameters> std_phi;  ///< their standard deviations, where identified
+  std::optional<InertialParameters> std_phi;  ///< standard deviations of identified values
   /// Values of the manufacturer's file: an identification is regularised towards them in the
   /// directions that the recordings do not determine.
   std::optional<InertialParameters> prior;
@@ -114,7 +114,7 @@ struct Frame {
   Axis variable;              ///< s; coefficients are zero where fixed
   Posed A = identity_pose();  ///< T_parent_joint
   Posed B = identity_pose();  ///< T_joint_frame
-  std::optional<DhRow> dh;    ///< as written in the file, for hypotheses about wrong constants
+  std::optional<DhRow> dh;    ///< the DH row of the file, for hypotheses about wrong constants
   std::optional<Body> body;
 };
 
@@ -130,7 +130,7 @@ struct Limits {
 /// Errors of a joint's sensors, as diagnosed; JointSensors corrects them.
 struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
-  double torque_delay = 0.0;     ///< [s] by which the recorded torque lags
+  double torque_delay = 0.0;     ///< [s] lag of the recorded torque
   double position_offset = 0.0;  ///< [rad] or [m] recorded position minus true position
   /// Recorded torque per true torque of other joints, by their indices; none of its own.
   std::map<int, double> torque_crosstalk{};
@@ -161,7 +161,7 @@ struct EffectTerm {
 /// Contents of a robot file.
 struct ModelDescription {
   std::string name;
-  std::string source;  ///< where the numbers come from, in words
+  std::string source;  ///< origin of the numbers, in words
   RobotValues values = RobotValues::kFacts;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};
   std::map<std::string, double> constants;

@@ -12,7 +12,7 @@ struct TopicFacts {
   long messages = 0;
   double rate = 0.0;                ///< [Hz] mean; 0: fewer than two messages
   std::vector<std::string> joints;  ///< joints with positions, velocities or efforts in it
-  bool used = false;                ///< it provides signals of the arm
+  bool used = false;                ///< true: it provides signals of the arm
   std::string undecoded;  ///< reason if it is not decoded; empty: it is decoded, or not needed
 };
 
@@ -27,7 +27,7 @@ struct RecordingFacts {
   std::string format;               ///< "CSV", "ROS 1 bag", "MCAP", ...
   std::vector<std::string> joints;  ///< names, in the order of the columns
   std::vector<JointMatch> matched;  ///< joints that were searched for by name; empty: none were
-  std::vector<TopicFacts> topics;   ///< of a container; empty otherwise
+  std::vector<TopicFacts> topics;   ///< topics of a container; empty for other files
   std::vector<std::string> remarks; ///< whole sentences for the user
   double start = 0.0;  ///< [s since 1970] of time 0; 0: times are those of the file
 

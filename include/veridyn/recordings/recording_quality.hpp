@@ -19,7 +19,7 @@ struct QualityFinding {
   std::string file;
   std::string finding;  ///< a name from the list at check_recording()
   std::string signal;   ///< "q", "dq", ...; empty: the whole file
-  int joint = 0;        ///< from 1; 0: all joints
+  int joint = 0;        ///< number of the joint from 1; 0: all joints
   /// Affected share of the rows (or of the range), 0 to 1; NaN: not applicable.
   double share = 0.0;
   double value = 0.0;  ///< size of the finding in `unit`; NaN: not applicable
@@ -30,8 +30,8 @@ struct QualityFinding {
 
 /// An interval in which a torque stays at the limit of its channel.
 struct SaturatedInterval {
-  int joint = 0;      ///< from 0
-  double from = 0.0;  ///< [s] since the recording began
+  int joint = 0;      ///< joint index from 0
+  double from = 0.0;  ///< [s] time since the recording began
   double to = 0.0;
 };
 
@@ -98,7 +98,7 @@ const char* name_of(Severity severity);
 /// @throws InvalidInput  as RecordingReader, or there are no rows.
 RecordingQuality check_recording(const std::string& path, const RecordingOptions& options = {});
 
-/// The same for a recording in memory.
+/// check_recording() for a recording in memory.
 RecordingQuality check_recording(const Recording& recording);
 
 }  // namespace veridyn

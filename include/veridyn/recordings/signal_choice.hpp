@@ -18,7 +18,7 @@ struct WantedJoint {
 
 /// A joint of the robot that with_fixed() holds; a recording may contain it nevertheless.
 struct HeldJoint {
-  int number = 0;  ///< among all joints of the robot, from 1
+  int number = 0;  ///< number among all joints of the robot, from 1
   WantedJoint joint;
   double position = 0.0;  ///< [rad] or [m]
 };

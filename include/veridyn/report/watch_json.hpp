@@ -28,7 +28,7 @@ std::string json_line(const WatchEvent& event, const std::string& source);
 /// "alarms", "alarms_per_hour", "events": [...]}], "running"}.
 std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm, bool running);
 
-/// The same as a page, with the residuals over time; it reloads every two seconds while `running`.
+/// A page with these results and the residuals over time; it reloads every two seconds while `running`.
 /// @param command  command line of the run.
 std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
                     const std::string& command, bool running);

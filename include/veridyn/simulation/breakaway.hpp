@@ -18,7 +18,7 @@ struct BreakawayOptions {
 
 /// One ramp: the joint rested, the effort rose, and the joint broke away.
 struct BreakawayEvent {
-  double rest_from = 0.0;  ///< [s] since the recording began
+  double rest_from = 0.0;  ///< [s] time since the recording began
   int direction = 0;       ///< direction of the motion: +1, -1
   double recorded_at = 0.0;
   double recorded = 0.0;  ///< [N m], [N] effort at the onset of sliding
@@ -28,12 +28,12 @@ struct BreakawayEvent {
 
 struct Breakaway {
   JointIndex joint;
-  double speed = 0.0;  ///< [rad/s], [m/s] above which it slides
+  double speed = 0.0;  ///< [rad/s], [m/s] speed above which the joint slides
   std::vector<BreakawayEvent> events;
   /// Medians per direction, [N m], [N]; NaN without events.
   double recorded_forward = 0.0, recorded_backward = 0.0;
   double simulated_forward = 0.0, simulated_backward = 0.0;
-  VectorXd simulated_q;  ///< (rows) of the joint; NaN where the model did not run
+  VectorXd simulated_q;  ///< (rows) simulated position of the joint; NaN where the model did not run
 
   /// Text: every ramp with both efforts, and the medians.
   /// @param joint  the coordinate. @param recording  name of the recording in the text.

@@ -49,13 +49,13 @@ struct LoopSensors {
 
 struct LoopOptions {
   PidGains gains;
-  /// If set: computed torque with this model in place of the PID. `gains` are then those of ComputedTorque, p
+  /// If not null, computed torque with this model replaces the PID. `gains` are then those of ComputedTorque, p
   /// [1/s^2] and d [1/s], independent of the joints' inertia, and i is not used.
   std::shared_ptr<const Model> model;
   double friction = 0.0;  ///< share of the model's friction that is compensated in addition to that law
   Drive drive;
   LoopSensors sensors;
-  /// [Hz] of the controller, independent of the rows' rate: it runs an integer number of times between two
+  /// Rate of the controller [Hz], independent of the rows' rate: it runs an integer number of times between two
   /// rows, or once in an integer number of rows, whichever is closest.
   double rate = 1000.0;
   VectorXd start;  ///< (n) initial position; empty: the first set point
@@ -65,9 +65,9 @@ struct LoopOptions {
 /// Result of an engine's run, up to its last or its failing row.
 struct EngineRun {
   MotionSamples motion;
-  MatrixXd tau;  ///< (rows x n) of the motors
+  MatrixXd tau;  ///< (rows x n) motor torques [N m], [N]
   StepStatus status = StepStatus::kOk;
-  double stopped_at = 0.0;  ///< [s] where status is not kOk
+  double stopped_at = 0.0;  ///< [s] time of the failure if status is not kOk
   std::optional<int> joint = {};  ///< joint that failed, from 0
 
   bool complete() const { return status == StepStatus::kOk; }

@@ -19,8 +19,8 @@ namespace veridyn {
 /// @throws InvalidInput  a body or an effect has no values; the motion is not (rows x n), or empty.
 MatrixXd joint_torques(const Model& arm, const MotionSamples& motion, int substeps = 4);
 
-/// The same at one state, (n) each: memories are unloaded, time is zero, and effects on the whole
-/// arm, which need a motion, are not included.
+/// Torques at one state, (n) each: memories are unloaded, time is zero, and effects on the whole arm, which
+/// need a motion, are not included.
 VectorXd joint_torques(const Model& arm, const VectorRef& q, const VectorRef& dq,
                        const VectorRef& ddq);
 

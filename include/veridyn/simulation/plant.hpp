@@ -17,7 +17,7 @@ struct PlantOptions {
   /// + rest), with the estimate of order three for a method of order four.
   double tolerance = 1e-6;
   double rest = 1e-6;        ///< [rad] or [m]; bound of the error at standstill
-  int most_substeps = 2000;  ///< per step
+  int most_substeps = 2000;  ///< largest number of substeps per step
 };
 
 /// Forward dynamics of an arm with all its effects:

@@ -23,8 +23,8 @@ struct SensorNoise {
   JointAmount velocity;          ///< standard deviation of white noise
   double torque_white = 0.0;     ///< standard deviation
   double torque_coloured = 0.0;  ///< standard deviation of a first-order autoregressive process
-  double colour_seconds = 0.1;   ///< its correlation time [s]
-  double delay = 0.0;            ///< [s] by which all signals lag the rows' times
+  double colour_seconds = 0.1;   ///< [s] correlation time of that process
+  double delay = 0.0;            ///< [s] lag of all signals behind the rows' times
   /// [s] standard deviation of an additional random lateness of the rows, as of a publisher without its own
   /// clock.
   double late = 0.0;

@@ -21,7 +21,7 @@ struct CommonOptions {
   int threads = 0;     ///< 0: one per core
   bool quiet = false;
   std::map<std::string, double> fixed;  ///< coordinates that are not recorded, with their positions
-  std::vector<double> gravity;  ///< [m/s^2] of the robot file's base; empty: that of the file
+  std::vector<double> gravity;  ///< gravity in the robot file's base [m/s^2]; empty: that of the file
   std::vector<double> drive_gains;  ///< torque per ampere of each joint; empty: those of the file
 };
 
@@ -69,7 +69,7 @@ void add_friction_option(CLI::App& command, JointFriction& friction);
 /// @throws InvalidInput  it cannot be written.
 void require_writable(const std::string& path);
 
-/// The same for each of several files.
+/// Checks several files.
 template <typename... More>
 void require_writable(const std::string& path, const std::string& next, const More&... more) {
   require_writable(path);

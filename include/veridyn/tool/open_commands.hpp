@@ -19,7 +19,7 @@ namespace veridyn::cli {
 
 /// More files for `export`.
 struct ExportExtension {
-  std::string options;  ///< that write files, for messages: "--a or --b"
+  std::string options;  ///< options that write files, for messages: "--a or --b"
   std::function<void(CLI::App&)> add_options;
   std::function<void()> check;                      ///< @throws CLI::ValidationError
   std::function<std::vector<std::string>()> paths;  ///< the files to write; empty paths were not given

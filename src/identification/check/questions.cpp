@@ -23,7 +23,7 @@ using Names = std::vector<std::string>;
 
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + "," + b; }
 
-// "q1=deg,tau=Nm" as pairs.
+// Splits "q1=deg,tau=Nm" into pairs of signal and unit.
 std::vector<std::pair<std::string, std::string>> assignments(const std::string& list) {
   std::vector<std::pair<std::string, std::string>> out;
   std::istringstream words(list);
@@ -31,7 +31,7 @@ std::vector<std::pair<std::string, std::string>> assignments(const std::string& 
   return out;
 }
 
-// The columns of this signal; currents have been converted to torques.
+// The columns of this signal; for currents those of the torques, to which they have been converted.
 MatrixXd* columns_of(const std::string& signal, Recording& r) {
   for (const auto& [name, values] : {std::pair{"q", &r.q}, std::pair{"dq", &r.dq}, std::pair{"ddq", &r.ddq}, std::pair{"tau", &r.tau}, std::pair{"i", &r.tau}}) {
     if (signal == name) return values->size() > 0 ? values : nullptr;
@@ -39,7 +39,7 @@ MatrixXd* columns_of(const std::string& signal, Recording& r) {
   return nullptr;
 }
 
-// "tau3": the signal, and the joint from 0.
+// Splits "tau3" into the signal and the joint (from 0).
 std::pair<std::string, int> column(const std::string& key) {
   const std::size_t digits = key.find_last_not_of("0123456789") + 1;
   return {key.substr(0, digits), digits < key.size() ? std::stoi(key.substr(digits)) - 1 : -1};
@@ -219,7 +219,7 @@ class List {
     return out_.back();
   }
 
-  // "q3=-rad,dq3=-rad/s"
+  // Units with reversed signs for joint i: "q3=-rad,dq3=-rad/s".
   std::string reversed(const Names& signals, int i) const {
     std::string out;
     for (const std::string& s : signals) {
@@ -254,7 +254,8 @@ class List {
 
   bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
 
-  // "q=mm,dq=mm/s"; for an arm with revolute joints, this for each prismatic joint.
+  // Positions and velocities in millimetres: "q=mm,dq=mm/s"; for an arm with revolute joints, each prismatic
+  // joint alone.
   void millimetres() {
     std::string units;
     for (int i = 0; i < joints(); ++i) {
@@ -350,7 +351,7 @@ class List {
     add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kFittedNumberCost * joints();
   }
 
-  // Torques of an arm that brakes hold between its motions.
+  // Tests whether brakes hold the arm between its motions, so that its torques at rest are meaningless.
   void brakes() {
     const std::vector<char> rests = rows_at_rest(r_);
     const long count = std::count(rests.begin(), rests.end(), 1);
@@ -364,7 +365,7 @@ class List {
     };
   }
 
-  // Torques that lag or lead the motion. Errors below kPoorFit come from friction near rest on correct
+  // Tests torques that lag or lead the motion. Errors below kPoorFit come from friction near rest on correct
   // recordings, and are not tested.
   void clocks() {
     bool any = false;
@@ -388,7 +389,7 @@ class List {
     }
   }
 
-  // True for whole numbers up to 2047, on both sides of 1024.
+  // True if all torques are load registers: whole numbers up to 2047, on both sides of the direction bit 1024.
   bool is_load_register() const {
     long high = 0, low = 0;
     for (const double v : r_.tau.reshaped()) {
@@ -479,7 +480,7 @@ class List {
   const Recording& r_;
   std::string torque_;
   const std::vector<bool>& moves_;
-  VectorXd shares_;  // unexplained, by joint
+  VectorXd shares_;  // unexplained share of each joint's squared torque
   std::vector<WantedJoint> joints_;
   Names motion_, all_;  // recorded signals of the motion; the same with the torque
   bool turning_ = false, sliding_ = false;

@@ -25,7 +25,8 @@ struct FleetNumbers {
   int fewest_spreads = 4;
   /// degrees of freedom of that prior <= most_prior: the arms' own spread still counts.
   double most_prior = 8.0;
-  /// fall of the squares by an arm's own bodies > least_excess, else its bodies are those of the fleet.
+  /// decrease of the squared residual by an arm's own bodies > least_excess, else its bodies are those of the
+  /// fleet.
   double least_excess = 0.02;
   /// ridge of an own column = own_ridge * its norm: without data it is zero; of a gain = gain_ridge * its
   /// norm: the mean gain is one, which fixes the common scale of bodies and gains.
@@ -41,7 +42,7 @@ constexpr FleetNumbers numbers;
 /// degrees of freedom = kEfficiency * (arms - 1): efficiency of the median deviation relative to the
 /// standard deviation (Rousseeuw and Croux, JASA 88(424), 1993).
 constexpr double kEfficiency = 0.37;
-/// spread of the falls >= kLeastSpread, so that equal arms divide by no zero.
+/// spread of these decreases >= kLeastSpread, so that equal arms cause no division by zero.
 constexpr double kLeastSpread = 1e-6;
 /// bisection of the prior's degrees of freedom ends at a width < kWidth.
 constexpr double kWidth = 1e-3;

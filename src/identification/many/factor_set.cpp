@@ -87,7 +87,7 @@ VectorXd fingerprint_of(const Model& arm) {
 
 constexpr const char* kDerived = ", velocities from the position at joints";
 
-// Joints from 1, as in messages.
+// Numbers (from 1) of the joints with derived velocities, for messages.
 std::string derived_joints(const PreprocessingOptions& how) {
   if (how.derive_velocity_of.empty()) return "";
   std::string out = kDerived;

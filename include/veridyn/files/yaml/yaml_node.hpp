@@ -53,7 +53,7 @@ class YamlNode {
   std::optional<YamlNode> find(const std::string& key) const;
   YamlNode at(const std::string& key) const;
 
-  /// The same node under another path, for expressions: "frames/elbow" rather than "frames/4".
+  /// This node under another path, for expressions: "frames/elbow" rather than "frames/4".
   YamlNode placed(const std::string& place) const;
 
  private:

@@ -16,9 +16,9 @@ struct CsvLayout {
   char separator = ',';
   int joints = 0;
   bool has_time = false;
-  std::vector<bool> has_signal;    ///< per entry of kRecordingSignals
-  std::vector<int> slots;          ///< per column: kIgnored, kTime, or slot(signal, joint)
-  std::vector<std::string> names;  ///< per column, for messages
+  std::vector<bool> has_signal;    ///< one entry per kRecordingSignals
+  std::vector<int> slots;          ///< one entry per column: kIgnored, kTime, or slot(signal, joint)
+  std::vector<std::string> names;  ///< names of the columns, for messages
 
   /// Index of a value in a row of numbers: t, then signal by signal, joint by joint (all from 0).
   int slot(int signal, int joint) const { return 1 + signal * joints + joint; }

@@ -55,7 +55,7 @@ Eigen::Index curve_step(Eigen::Index rows);
 struct PlottedRecording {
   const char* role = "";                     ///< "held out" or "training"
   const RecordingError* model = nullptr;     ///< the unmodified robot
-  const RecordingError* extended = nullptr;  ///< with the findings; null: there are none
+  const RecordingError* extended = nullptr;  ///< the robot with the findings; null: there are none
 };
 
 /// Adds recordings with measured and modelled torques to a page.
