@@ -23,8 +23,9 @@ struct OpenedRows {
 /// share it.
 class KeptRecordings {
  public:
-  static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
-  static constexpr long kFewPasses = 10L << 20;       ///< bound for a few passes over each file
+  static constexpr long kManyQuestions = 400L << 20;  ///< largest size of the text for a diagnosis, which reads
+                                                      ///< files many times
+  static constexpr long kFewPasses = 10L << 20;       ///< largest size of the text for a few passes over each file
 
   explicit KeptRecordings(long most_bytes = kManyQuestions);
   ~KeptRecordings();
@@ -42,7 +43,7 @@ class KeptRecordings {
   RecordingQuality quality(const std::string& path, const RecordingOptions& options,
                            const std::function<RecordingQuality()>& judge);
 
-  /// The same if it has been evaluated already; else null.
+  /// The quality of a recording's first rows if it has been evaluated already, else null.
   std::shared_ptr<const RecordingQuality> known_quality(const std::string& path,
                                                         const RecordingOptions& options);
 

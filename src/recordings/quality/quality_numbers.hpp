@@ -8,7 +8,7 @@ namespace veridyn {
 /// All numbers that can change findings about the quality of a recording, each with its inequality,
 /// and with its reason where one is known.
 struct QualityNumbers {
-  // What is read.
+  // Rows and quantiles.
   /// rows >= fewest_rows, else motion and velocities are not checked.
   int fewest_rows = 50;
   /// Quantiles = ends and 1 - ends stand for the ends of a range: single wrong values do not count.
@@ -19,7 +19,7 @@ struct QualityNumbers {
   // Numbers, time, rows.
   /// |number| > absurd: damaged.
   double absurd = kAbsurd;
-  /// share of rows with such numbers >= hopeless_share: the motion of the file is not judged.
+  /// share of rows with such numbers >= hopeless_share: motion and velocities of the file are not checked.
   double hopeless_share = 0.002;
   /// range of a position <= resting_range [rad, m]: the joint is at rest.
   double resting_range = 5e-3;
@@ -37,7 +37,7 @@ struct QualityNumbers {
   double few_gaps = 0.001, many_gaps = 0.5;
   /// signals with gaps > many_signals: one finding for the file.
   int many_signals = 3;
-  /// |q| > two turns in a share of the rows >= beyond_turns: degrees, or millimetres.
+  /// |q| > two turns in a share of the rows >= beyond_turns: positions are in degrees or millimetres.
   double beyond_turns = 0.5;
 
   // Signals refreshed too slowly.
@@ -54,7 +54,8 @@ struct QualityNumbers {
   int fewest_overflows = 3;
 
   // Start-up.
-  /// ringing = usual change over `ringing` [s] in windows of `window` = [s] and shortest_window rows.
+  /// `ringing` of a load: its usual change over `ringing` [s], in windows of `window` [s] and at least
+  /// shortest_window rows.
   double ringing = 0.02, window = 0.1;
   int shortest_window = 4;
   /// ringing > loud * the usual one of later windows ...
@@ -63,9 +64,10 @@ struct QualityNumbers {
   int latest_start = 20, shortest_start = 2;
 
   // Jumps of positions.
-  /// step > smallest_jump [rad, m], jump_noise * the largest second difference, jump_range * range ...
+  /// step > smallest_jump [rad, m], jump_noise * a large second difference and jump_range * range, whichever is
+  /// largest,
   double smallest_jump = 2e-3, jump_noise = 5.0, jump_range = 0.02;
-  /// ... and > jump_around * the steps around it beyond that: motion does not explain it.
+  /// plus jump_around * the neighbouring steps: motion does not explain it.
   double jump_around = 4.0;
   /// jumps of several joints >= fewest_lost, more than `onward` of them in the direction of the motion: rows were lost.
   long fewest_lost = 3;
@@ -90,11 +92,12 @@ struct QualityNumbers {
   double scale_error = 0.025, clock_error = 0.1;
   /// |factor + 1| < sign_error: the opposite sign.
   double sign_error = 0.1;
-  /// |factor * 180 / pi - 1| < degree_error, or / : degrees.
+  /// |factor / u - 1| < degree_error: velocities or positions are in another unit, with u = 180 / pi for
+  /// degrees.
   double degree_error = 0.03;
   /// |factor - 1| > far_off: a fault, else a warning.
   double far_off = 0.3;
-  /// spread of the factors < one_clock * their median: one clock is off.
+  /// spread of the factors over the joints < one_clock * their median: they have one cause, such as the clock.
   double one_clock = 0.03;
 
   // Delay of velocities.
@@ -102,9 +105,9 @@ struct QualityNumbers {
   int half_average = 4;
   /// step > large_step * the largest one: a wrong row.
   double large_step = 3.0;
-  /// |delay| < longest_lag rows, rows >= 6 longest_lag.
+  /// delays of up to longest_lag rows are tested, in recordings of >= 6 longest_lag rows.
   int longest_lag = 40;
-  /// correlation at its peak >= clear_peak, else there is no delay to speak of.
+  /// correlation at its peak >= clear_peak, else no delay is reported.
   double clear_peak = 0.9;
   /// error <= lag_outlier medians counts in the second pass.
   double lag_outlier = 4.0;
@@ -114,7 +117,7 @@ struct QualityNumbers {
   // Steps and noise of velocities.
   /// changes that are not zero >= fewest_changes, else nothing is reported.
   int fewest_changes = 20;
-  /// step > coarse * range: quantised; grid_share of it, if all steps are multiples of one.
+  /// step > coarse * range: quantised; grid_share * coarse is sufficient if all steps are multiples of one.
   double coarse = 0.07, grid_share = 0.3;
   /// usual step > two_kinds * median: jumps between levels, as velocities of an MTM and a PSM's wrist have;
   /// 2.4 for Gaussian noise.
@@ -158,7 +161,7 @@ constexpr double kNoLoad = 1e-8;
 constexpr double kLeastSeconds = 1.0, kEnoughSeconds = 10.0;
 /// median step >= kSlowClock [s] in one motion: times in another unit.
 constexpr double kSlowClock = 0.5;
-/// gaps that follow one of equal length > kAlike * all gaps: a second sample rate, and no rows are missing.
+/// share of gaps that follow one of equal length > kAlike: a second sample rate, and no rows are missing.
 constexpr double kAlike = 0.9;
 /// a turn = kTurn [rad].
 constexpr double kTurn = 6.283185307179586;
