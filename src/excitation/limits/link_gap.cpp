@@ -63,7 +63,7 @@ double distance_to_box(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vec
   return way.norm();
 }
 
-// Nothing: the world.
+// The frame of a capsule; nullopt: the world.
 std::optional<FrameIndex> frame_of(const Model& arm, const Capsule& capsule) {
   if (capsule.frame == "world") return std::nullopt;
   const int frame = arm.find_frame(capsule.frame);
