@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// Statistics of estimates over clusters: `without` (k x g) holds the estimates that leave one of g
-/// clusters out. The jackknife,
+/// Statistics of estimates over clusters by the jackknife: `without` (k x g) holds the estimates that leave one
+/// of g clusters out, and their covariance is
 ///
 ///   C = (g - 1) / g * sum_c (x_c - mean x) (x_c - mean x)'
 ///

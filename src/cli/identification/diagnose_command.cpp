@@ -35,7 +35,7 @@ struct DiagnoseRequest {
   CommonOptions common;
 };
 
-// Checks that all of them are names of effects, or causes EFFECT:PLACE of the arm.
+// Checks that all names are effects, or causes EFFECT:PLACE of the arm.
 void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     expect_one_of("--effects", split_cause(name).effect, effect_names());
@@ -45,7 +45,7 @@ void expect_known_places(const Model& arm, const std::vector<std::string>& names
   for (const std::string& name : names) value_of("--effects", [&] { return normalized_cause(arm, name); });
 }
 
-// The command that designs the next recording, with the robot as named here and with the recordings
+// The command line that designs the next recording, with the robot as the user named it and with the recordings
 // and values known so far.
 std::string next_command(const DiagnoseRequest& request, const Model& arm,
                          const NextExperiment& next) {
