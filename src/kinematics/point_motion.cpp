@@ -105,8 +105,7 @@ void PointMotion::update(const double* q, const double* dq) noexcept {
     v_ = v_ + cross(omega_, p - from);
     from = p;
   };
-  // Computes the point's velocity v_; in the second loop v_ - v is its velocity relative to a point on the
-  // axis.
+  // Computes the point's velocity v_; in the second loop v_ - v is its velocity relative to a point on the axis.
   for (const Axis& axis : axes_) {
     const double ds = along_joint(tree, axis.link, dq);
     move_to(axis.p);

@@ -17,10 +17,9 @@ struct OpenedRows {
   std::function<RecordingFacts()> facts;
 };
 
-/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their prepared
-/// forms, up to as many bytes; rows of other files are in RowsOnDisk. Pipes are always kept. Code that reads
-/// the same recordings many times creates one and passes it on in PreprocessingOptions::kept. Threads may
-/// share it.
+/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their prepared forms, up
+/// to as many bytes; rows of other files are in RowsOnDisk. Pipes are always kept. Code that reads the same
+/// recordings many times creates one and passes it on in PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
   static constexpr long kManyQuestions = 400L << 20;  ///< largest size of the text for a diagnosis, which reads

@@ -13,9 +13,8 @@ namespace veridyn {
 bool same_recording(const std::string& a, const std::string& b);
 
 /// A sample of the rows of a recording: the smallest hashes of its rows in which a position changes. Each hash
-/// covers all signals but the time, of this row and of some before it. The sample of a piece is contained in
-/// that of the whole, with about the same density (Broder, On the resemblance and containment of documents,
-/// 1997).
+/// covers all signals but the time, of this row and of some before it. The sample of a piece is contained in that
+/// of the whole, with about the same density (Broder, On the resemblance and containment of documents, 1997).
 class RowSample {
  public:
   /// Adds rows first to last - 1 of the next piece of the recording.

@@ -12,8 +12,7 @@
 namespace veridyn {
 namespace {
 
-// Lower bound of the effort for joints that carry no body: without rotor and friction their inertia would be
-// zero.
+// Lower bound of the effort for joints that carry no body: without rotor and friction their inertia would be zero.
 constexpr double kLeastEffort = 0.1;  // [N m] or [N]
 
 double tightened(double value, double bound) {

@@ -76,8 +76,7 @@ class Bar {
   std::optional<Clock::time_point> drawn_;
 };
 
-// Prints one line for every stage (the part of the activity before its colon), and further lines from time to
-// time.
+// Prints one line for every stage (the part of the activity before its colon), and further lines from time to time.
 class Lines {
  public:
   void operator()(const std::string& what, double share) {

@@ -30,8 +30,7 @@ struct Meant {
   std::string odd;  // first argument that was not understood
 };
 
-// The first argument that was not understood; options are preferred, since they affect the meaning of the
-// others.
+// The first argument that was not understood; options are preferred, since they affect the meaning of the others.
 std::string unexpected_argument(const CLI::App& command) {
   const std::vector<std::string> rest = command.remaining();
   for (const std::string& word : rest) {

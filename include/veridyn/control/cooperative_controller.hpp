@@ -47,8 +47,7 @@ struct CooperativeOptions {
   double relief_force = 5.0;   ///< [N] reading beyond which ends yield while targets are held,
   double relief_gain = 0.02;   ///< [m/(N s)] speed of yielding per newton above relief_force
   double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; ends do not yield if a sensor has failed
-  /// True: a TetherGuard moves the other ends while targets are held, so that a falling arm does not jerk
-  /// members.
+  /// True: a TetherGuard moves the other ends while targets are held, so that a falling arm does not jerk members.
   bool guard = true;
   TetherGuardOptions tether;  ///< options of the guard; its period is replaced by that of the controller
 };
@@ -84,8 +83,7 @@ struct TipTarget {
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
-  /// A reading deviates from the wanted force by more than largest_force_error, for example if a member is
-  /// slack.
+  /// A reading deviates from the wanted force by more than largest_force_error, for example if a member is slack.
   kForceMissed,
   kSensorStale,
   kSensorStuck,

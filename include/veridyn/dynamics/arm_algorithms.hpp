@@ -264,8 +264,7 @@ struct ArmAlgorithms {
 
   // ---- forward dynamics --------------------------------------------------------------------------
 
-  /// Solves for ddq of tau; leaves M factored, in `M` or along the tree. False if M is not positive
-  /// definite.
+  /// Solves for ddq of tau; leaves M factored, in `M` or along the tree. False if M is not positive definite.
   static bool forward_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
                                S* ddq, S* M, const Memory& at) {
     const Links& tree = arm.tree;

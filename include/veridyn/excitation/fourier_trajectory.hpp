@@ -58,8 +58,7 @@ class FourierTrajectory {
   /// Position, velocity and acceleration at any instants.
   MotionSamples samples(const VectorRef& time) const;
 
-  /// Position, velocity and acceleration at the instants of a basis with this frequency and number of
-  /// harmonics.
+  /// Position, velocity and acceleration at the instants of a basis with this frequency and number of harmonics.
   MotionSamples samples(const FourierBasis& basis) const;
 
   /// Whole periods sampled at `rate` [Hz] from t = 0 on. The last row is the first instant at or

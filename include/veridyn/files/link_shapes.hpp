@@ -47,8 +47,7 @@ LinkShapes urdf_shapes(const std::string& path, UrdfShapes which);
 /// Capsules that contain all of a shape; a long mesh may need several.
 std::vector<Capsule> capsules_around(const LinkShape& shape);
 
-/// Capsules around all collision shapes of a URDF file; shapes that could not be read are listed in
-/// `remarks`.
+/// Capsules around all collision shapes of a URDF file; shapes that could not be read are listed in `remarks`.
 std::vector<Capsule> collision_capsules(const std::string& urdf, std::vector<std::string>& remarks);
 
 /// A capsule of this radius along every straight line from one joint to the next, for an arm of which only

@@ -53,11 +53,10 @@ struct IdentificationOptions {
   /// Known loads in some training recordings: the drive gains are identified first, see find_drive_gains(),
   /// and then the arm from the recordings without a load.
   std::vector<KnownMass> known_masses;
-  /// For identify() of recordings: a recorded velocity that is noisier than its position's
-  /// derivative, or wrong in scale, is replaced by that derivative if this lowers the error of the
-  /// joint's torque on the training recordings by at least 2 %; Identification::preprocessing has
-  /// the choice. Factors keep the choice made when they were compressed; Filtering::kSignals, which
-  /// filters the velocity itself, keeps the recorded velocity.
+  /// For identify() of recordings: a recorded velocity that is noisier than its position's derivative, or wrong in
+  /// scale, is replaced by that derivative if this lowers the error of the joint's torque on the training
+  /// recordings by at least 2 %; Identification::preprocessing has the choice. Factors keep the choice made when
+  /// they were compressed; Filtering::kSignals, which filters the velocity itself, keeps the recorded velocity.
   bool choose_velocities = true;
   int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (current activity, share done) between recordings.
@@ -100,10 +99,9 @@ struct RecordingError {
                              ///< error is not held out
 };
 
-/// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated
-/// with that of its torque; if it is rejected, least squares is biased. F statistic of an augmented
-/// regression, for the number of independent samples from the jackknife (Janot, Vandanjon and Gautier, IEEE
-/// Trans. CST 22(1), 2014).
+/// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated with that
+/// of its torque; if it is rejected, least squares is biased. F statistic of an augmented regression, for the
+/// number of independent samples from the jackknife (Janot, Vandanjon and Gautier, IEEE Trans. CST 22(1), 2014).
 struct EndogeneityTest {
   double statistic = 0.0;          ///< F
   double numerator_freedom = 0.0;  ///< 0: the two motions have the same columns
@@ -183,8 +181,7 @@ struct Identification {
 /// Writes report().
 std::ostream& operator<<(std::ostream& out, const Identification& id);
 
-/// Identifies the arm from training recordings and validates it on test recordings, which are not
-/// used in the fit.
+/// Identifies the arm from training recordings and validates it on test recordings, which are not used in the fit.
 ///
 /// @param train, test  paths of recordings, or recordings in memory.
 /// @throws InvalidInput  a file is bad or does not fit the arm. Data that do not suffice are a

@@ -7,8 +7,7 @@
 
 namespace veridyn::cli {
 
-/// A file with the XML of a simulation; a message states how many parts of the model its comments list as left
-/// out.
+/// A file with the XML of a simulation; a message states how many parts of the model its comments list as left out.
 FileToWrite simulation_xml(const std::string& target, const char* format, std::string xml);
 
 /// The simulator's file `from` (MJCF or SDF) with the model's values, and a message with the changed ones.

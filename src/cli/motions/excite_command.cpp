@@ -169,8 +169,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   }
   if (!request.between.empty())
     o.between = value_of("--between", [&] { return parse_rivals(o.powered.value_or(arm), request.between); });
-  // Missing values are replaced by plausible ones, since deviations relative to a friction of zero are
-  // undefined.
+  // Missing values are replaced by plausible ones, since deviations relative to a friction of zero are undefined.
   if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,

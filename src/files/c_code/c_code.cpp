@@ -274,8 +274,7 @@ static double {0}_contact(double s, double distance, double* z) {{
            "  (void)@phi, (void)@joint_names, (void)@parameter_names;\n");
   }
 
-  // Writes a function with the array arguments `in` and `out`. The text of torque() explains the effects'
-  // memory.
+  // Writes a function with the array arguments `in` and `out`. The text of torque() explains the effects' memory.
   void write_function(const std::string& what, const std::string& name,
                 const std::vector<const char*>& in, const std::vector<const char*>& out,
                 const std::string& body) {

@@ -298,8 +298,7 @@ class List {
     }
   }
 
-  // Gear ratios that bring the largest angle of one joint (from 0), or of all joints, into the range of an
-  // arm.
+  // Gear ratios that bring the largest angle of one joint (from 0), or of all joints, into the range of an arm.
   void motor_side(double largest, int joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));

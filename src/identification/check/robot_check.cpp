@@ -248,8 +248,7 @@ class RobotCheck {
     return fitter.fit(fitter.moments(recording), torques_of(set));
   }
 
-  // Tries one more hypothesis of the list. Transformations that leave the motion unchanged reuse its
-  // regressor.
+  // Tries one more hypothesis of the list. Transformations that leave the motion unchanged reuse its regressor.
   std::vector<Answer> tried(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
     std::vector<Answer> out(questions.size());
     const bool same_arm = !concern_robot(before.set);
@@ -283,8 +282,7 @@ class RobotCheck {
     return all;
   }
 
-  // Beam search: each of the best few sets is extended by every remaining hypothesis that improves the fit
-  // clearly.
+  // Beam search: each of the best few sets is extended by every remaining hypothesis that improves the fit clearly.
   void search() {
     std::vector<Answer> beam = {best_};
     std::optional<std::pair<Answer, const char*>> doubt;  // an uncertain set; a further mistake may still make it certain

@@ -24,8 +24,7 @@ bool contains(const List& list, const Value& value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-// Joints of a topic that have a position, in the order of first appearance; numbers as names are sorted by
-// value.
+// Joints of a topic that have a position, in the order of first appearance; numbers as names are sorted by value.
 std::vector<std::string> joints_with_position(const RawRecording& raw, const std::string& topic) {
   std::vector<std::string> joints;
   for (const RawStream& stream : raw.streams) {

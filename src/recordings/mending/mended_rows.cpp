@@ -19,8 +19,7 @@ constexpr int kFirstRows = 8192;
 constexpr int kFewestRows = 50;
 /// previous rows that stay in memory = kContext.
 constexpr int kContext = 8;
-/// A dropout of at most kLongestDropout [s], and of kFewRows to kManyRows rows, is repaired; longer ones are
-/// not.
+/// A dropout of at most kLongestDropout [s], and of kFewRows to kManyRows rows, is repaired; longer ones are not.
 constexpr double kLongestDropout = 1.0;
 constexpr int kFewRows = 8, kManyRows = 4096;
 /// step < kWithin * mean step in a share of the steps >= kBurstShare: rows come in bursts of two and more.

@@ -53,8 +53,7 @@ bool is_share(const std::string& unit) {
   return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return without_sign(unit) == share.first; });
 }
 
-// True for degrees of a joint that is known to be prismatic, and millimetres of one that is known to be
-// revolute.
+// True for degrees of a joint that is known to be prismatic, and millimetres of one that is known to be revolute.
 bool is_unit_of_other_joint_type(const SignalChoice& choice, const std::string& unit, int joint) {
   if (joint < 1 || static_cast<std::size_t>(joint) > choice.joints.size()) return false;
   const std::string size = without_sign(unit);

@@ -58,8 +58,7 @@ std::string joint_name(int link) {
   return "joint" + std::to_string(link);
 }
 
-// Writes the child links of `parent`; `before` is the parent's B, which MuJoCo's body does not
-// include.
+// Writes the child links of `parent`; `before` is the parent's B, which MuJoCo's body does not include.
 void write_children(const Tree& tree, const VectorXd& phi, int parent, const Posed& before,
                     std::ostream& out) {
   for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {

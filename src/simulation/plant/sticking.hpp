@@ -35,8 +35,7 @@ class Sticking {
   void keep() { kept_ = direction_; }
   void restore() { direction_ = kept_; }
 
-  /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them
-  /// come to rest too.
+  /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them come to rest too.
   void stop_resting_axes(double* dq);
 
   /// Turns the other forces b into the whitened acceleration: friction at rest is subtracted, and axes that it
