@@ -5,7 +5,8 @@
 
 namespace veridyn {
 
-/// Reference of the joints, (n) each.
+/// Reference positions, velocities and accelerations of the joints, (n) each [rad], [rad/s], [rad/s^2] or [m],
+/// ...
 struct JointReference {
   explicit JointReference(int joints) : q(VectorXd::Zero(joints)), dq(q), ddq(q) {}
   VectorXd q, dq, ddq;

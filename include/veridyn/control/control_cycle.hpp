@@ -16,7 +16,7 @@ namespace veridyn {
 
 /// Signals of an arm's sensors in one cycle.
 struct Measured {
-  /// Positions alone, without a force sensor.
+  /// Zero positions, without velocities and without a force sensor.
   explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
   VectorXd q;   ///< (n) encoder positions [rad], [m]
   VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: those of the velocity observer
@@ -62,7 +62,7 @@ struct ControllerFault {
   std::optional<JointIndex> joint;  ///< nullopt: the fault concerns no single joint
   double time = 0.0;                ///< [s] time since the controller was made or reset
 };
-/// "position limit of joint 2 at 1.204 s"; joints count from 1.
+/// Writes "position limit of joint 2 at 1.204 s"; joints count from 1.
 std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
 
 /// The tip, or default_tip() if it has no frame. @throws InvalidInput  the arm has no joints.
@@ -122,7 +122,7 @@ class ControlCycle {
   void resume() noexcept;
   /// Clears the observers' estimates, for example while the motors are off. A fault remains.
   void reset_observers() noexcept;
-  /// Clears a fault as well, and restarts the time of faults.
+  /// Clears a fault too, and restarts the time that ControllerFault contains.
   void reset() noexcept;
   /// Switches the motors off: zero torques and no checks until reset(). Clears a fault.
   void disable() noexcept;

@@ -44,7 +44,7 @@ struct CooperativeOptions {
   /// (PassivityMonitor); an oscillating loop or a falling arm feeds more.
   double largest_energy = std::numeric_limits<double>::infinity();
   double stop_duration = 0.1;  ///< [s] duration of stopping the motion
-  double relief_force = 5.0;   ///< [N] reading beyond which ends yield while targets are held,
+  double relief_force = 5.0;   ///< [N] a reading beyond it makes the ends yield while targets are held
   double relief_gain = 0.02;   ///< [m/(N s)] speed of yielding per newton above relief_force
   double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; ends do not yield if a sensor has failed
   /// True: a TetherGuard moves the other ends while targets are held, so that a falling arm does not jerk members.
@@ -95,7 +95,7 @@ enum class CooperativeState {
   kNotFinite
 };
 
-/// "holds: a force sensor's samples are too old".
+/// Text such as "holds: a force sensor's samples are too old".
 const char* describe(CooperativeState state);
 
 /// Several arms move one object and control the forces in it (thesis 6.2 to 6.4 and 7.10 to 7.12,
@@ -130,7 +130,8 @@ class CooperativeController {
   /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes. False
   /// during another rotation.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
-  /// Moves every follower away from the centroid, (6.4) with the sign that pulls.
+  /// Moves every follower by `by` [m] away from the centroid: (6.4), with the sign for which positive values
+  /// pull.
   bool expand_grasp(double by, double duration) noexcept;
   /// Moves one arm relative to the object, for regrasping; in the world [m].
   bool move_arm(int arm, const Eigen::Vector3d& displacement, double duration) noexcept;
@@ -144,7 +145,7 @@ class CooperativeController {
   /// Clears the state that ended the task; targets start at the tips.
   void restart(const std::vector<Eigen::Vector3d>& tips) noexcept;
 
-  /// Vectors have the sizes of the constructor; debug builds assert it.
+  /// Computes the targets of one cycle. Vectors have the sizes of the constructor; debug builds assert it.
   const std::vector<TipTarget>& update(const CooperativeInput& input) noexcept;
 
   CooperativeState state() const { return state_; }

@@ -64,8 +64,8 @@ class ForceTracker {
   /// Restarts at the force [N] of the feed-forward term, without a correction.
   void reset() noexcept;
 
-  /// @param wanted  h_d [N]. @param rate  dl/dt as measured [m/s]. @param dt  [s] of the loop.
-  /// @returns change of the distance between the ends [m]; the last one if a number is not finite.
+  /// @param wanted  h_d [N]. @param rate  measured dl/dt [m/s]. @param dt  [s] period of the loop. @returns
+  ///   change of the distance between the ends [m]; the last one if a number is not finite.
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
   /// Freezes x_f and continues the damping term alone: for use without a sensor while targets are held.

@@ -12,8 +12,8 @@ namespace veridyn {
 enum class FrictionRule {
   /// Friction in the direction of the wanted velocity; none within the velocity deadband.
   kVelocity,
-  /// Thesis 5.6.1 and listing 7.5.1 with the errata: as kVelocity; within the velocity deadband the friction
-  /// at rest in the direction of the position error, if that exceeds its own deadband.
+  /// Like kVelocity, and within the velocity deadband the friction at rest in the direction of the position
+  /// error if that exceeds its own deadband: thesis 5.6.1 and listing 7.5.1 with the errata.
   kStickSlip,
   /// Friction with memory is computed from its state along the measured path; other friction acts in the
   /// direction of the wanted motion, without jumps.
@@ -61,7 +61,7 @@ class FrictionCompensation {
   /// @throws InvalidInput  a friction effect has no values, or an option is out of range.
   explicit FrictionCompensation(const Model& arm, const FrictionOptions& options = {});
 
-  /// @param dq_wanted  (n) of the interpolator.
+  /// @param dq_wanted  (n) velocity of the reference.
   /// @param error  (n) wanted minus measured position of the joints; in Cartesian control
   ///               Impedance::joint_error().
   /// @param dt  [s] since the last update().

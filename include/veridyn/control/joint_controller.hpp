@@ -12,14 +12,14 @@
 
 namespace veridyn {
 
-/// The present point of a path as a reference.
+/// Sets the reference to the present point of a path.
 inline void follow(const QuinticInterpolator& path, JointReference& reference) noexcept {
   reference.q = path.x();
   reference.dq = path.dx();
   reference.ddq = path.ddx();
 }
 
-/// A row of a motion with velocities and accelerations as a reference.
+/// Sets the reference to a row of a motion with velocities and accelerations.
 inline void follow(const MotionSamples& motion, Eigen::Index row, JointReference& reference) noexcept {
   reference.q = motion.q.row(row).transpose();
   reference.dq = motion.dq.row(row).transpose();

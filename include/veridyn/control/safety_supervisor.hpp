@@ -55,8 +55,9 @@ enum class SafetyAction {
 const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
 
-/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze if positions are unreliable,
-/// kRelease for forces, kHold for all others. Of several faults the strongest action applies, in this order.
+/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze if positions are unreliable, kRelease
+/// for forces, kHold for all others. Of several faults the one with the strongest action applies; kMotorsOff is
+/// the strongest, kHold the weakest.
 SafetyAction action_of(SafetyFault fault) noexcept;
 
 struct SafetyLimits {
@@ -66,8 +67,8 @@ struct SafetyLimits {
   VectorXd tracking;                  ///< (n) wanted minus measured position [rad], [m]
   VectorXd resolution;                ///< (n) resolution of positions: one step of an encoder; empty: zero
   double force = 15.0;                ///< [N] largest force at the tip
-  double force_disagreement = 6.0;    ///< [N] between the sensor and MomentumObserver
-  double disagreement_seconds = 0.1;  ///< [s] for which it must persist
+  double force_disagreement = 6.0;    ///< [N] largest difference between the sensor and MomentumObserver
+  double disagreement_seconds = 0.1;  ///< [s] shortest duration of a difference that is a fault
   double sensor_age = 0.003;          ///< [s] largest age of positions
   double force_age = 0.01;            ///< [s] largest age of the force
   double overrun = 0.005;             ///< [s] longest time between two updates
@@ -77,11 +78,11 @@ struct SafetyLimits {
   /// [s] within which the kinetic energy of a held arm must decrease to a half. Braking alone takes ln 2 / (2
   /// braking) = 12 ms; a motor at its limit takes longer.
   double held_seconds = 0.1;
-  /// Share of the velocity limits below which a held arm is at rest: from then on a spring holds
-  /// its position, in which a constant torque error moves the joint by a hundredth of the
-  /// acceleration it causes.
+  /// Share of the velocity limits below which a held arm counts as at rest. From then on a spring of 100 1/s^2
+  /// holds its position: a constant torque error moves the joint by a hundredth of the acceleration that it
+  /// causes.
   double rest_share = 0.05;
-  double runaway = 1.5;  ///< factor on the velocity limit: motors off if there is a fault already
+  double runaway = 1.5;  ///< factor of the velocity limit above which an arm with a fault is switched off
   /// Relative error of every parameter, UncertaintyOptions::relative: a holding torque may deviate from the
   /// model by at most TorqueUncertainty at rest plus the effect of the measured force.
   double model_error = 0.1;
@@ -113,7 +114,8 @@ struct SafetyEvent {
   double after = 0.0;  ///< [s] time since the first fault
 };
 
-/// Checks every cycle between controller and motors. On a fault it takes over within the same cycle with the
+/// Checks the signals between controller and motors in every cycle. On a fault it takes over within the same
+/// cycle with the
 /// action defined for the fault, and reports the reason. Checks continue during a fault: a later fault with a
 /// stronger action takes over. Nothing allocates or throws after the constructor; the reason is an enum with
 /// fixed texts.
@@ -135,8 +137,8 @@ class SafetySupervisor {
   void disable() noexcept;   ///< any -> kDisabled; a fault remains
   bool reset() noexcept;     ///< kFault -> kDisabled
 
-  /// @param tau  (n) of the controller. @returns (n) torques for the motors, always finite and
-  /// within limits.
+  /// @param tau  (n) torques of the controller. @returns (n) torques for the motors, always finite and within
+  ///   limits.
   const VectorXd& update(const ArmState& arm, const SafetyInput& input,
                          const VectorXd& tau) noexcept;
 

@@ -75,7 +75,7 @@ class TaskInverse {
   double length() const { return length_; }
   /// The smallest singular value of J~ at the last update(); computed anew by every call.
   double smallest_singular_value() const noexcept;
-  /// True if it is not above the threshold: a direction is damped.
+  /// True if the smallest singular value is not above the threshold, so that a direction is damped.
   bool near_singular() const { return near_singular_; }
 
  private:

@@ -46,7 +46,7 @@ class Teleoperation {
               const Eigen::Vector3d& force) noexcept;
 
   const TipTarget& follower() const { return target_; }           ///< reference of the follower
-  const Eigen::Vector3d& leader_force() const { return back_; }  ///< f_l [N]
+  const Eigen::Vector3d& leader_force() const { return back_; }  ///< f_l [N], the force reflected to the leader
 
  private:
   TeleoperationOptions options_;

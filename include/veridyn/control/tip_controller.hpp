@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// A target in the world as a reference of the tip in the base of its arm.
+/// Converts a target in the world to a reference of the tip in the base of its arm.
 inline TaskReference in_base(const TipTarget& target, const Eigen::Vector3d& p_world_base,
                              const Eigen::Matrix3d& R_world_base = Eigen::Matrix3d::Identity()) noexcept {
   TaskReference out;

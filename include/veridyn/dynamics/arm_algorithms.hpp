@@ -413,7 +413,7 @@ struct ArmAlgorithms {
   }
 
  private:
-  /// Hands out parts of one block of memory; with a null block it only adds up their sizes.
+  /// Assigns parts of one block of memory; with a null block it only adds up their sizes.
   struct Parts {
     char* memory;
     std::size_t used = 0;
@@ -476,7 +476,7 @@ struct ArmAlgorithms {
   static constexpr typename World::Products kVelocityLower{World::kForce, World::kDrift,
                                                            World::kSpin, World::kAxis};
 
-  /// Computes all changes of the torques by motions of the joints; needs the world's place().
+  /// Computes the quantities from which all derivatives of the torques follow; needs World::place().
   static void changes(const InertialLinks& arm, const S* dq, const S* ddq, const Memory& at) {
     const Links& tree = arm.tree;
     at.world.inertias(tree, arm.inertia);
@@ -499,7 +499,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// Computes one matrix by coordinates.
+  /// Computes an (n x n) matrix over coordinates, which is a sum over pairs of links.
   template <bool kVectors>
   static void matrix(const Links& tree, const typename World::Products& upper,
                      const typename World::Products& lower, double scale, S* to,
@@ -508,7 +508,7 @@ struct ArmAlgorithms {
     put<false, kVectors>(tree, upper, lower, by, to, tree.joints, at);
   }
 
-  /// Computes half of a derivative of the torques in rows of 2 groups(n), from group `first`.
+  /// Computes such a matrix by rows of 2 groups(n), beginning at group `first`.
   static void rows(const Links& tree, const typename World::Products& upper,
                    const typename World::Products& lower, int first, const Memory& at) {
     const int groups_of_row = 2 * groups(tree.joints);

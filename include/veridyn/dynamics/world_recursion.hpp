@@ -577,7 +577,7 @@ struct WorldRecursion {
   /// Computes half of the accelerations of all joints by position and by velocity of each joint of
   /// group g, side by side, since each step waits for the one before; needs articulated_changes().
   ///
-  /// @param x  one entry per link, `width` apart; those by velocity groups(links) behind.
+  /// @param x  one entry per link, `width` apart; accelerations by velocity are groups(links) later.
   void respond_to_motion(const Links& tree, int g, int width, L* x, Response* memory) const {
     const int first = g * lanes();
     const int end = first + lanes() < tree.count ? first + lanes() : tree.count;

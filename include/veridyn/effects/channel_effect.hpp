@@ -72,7 +72,7 @@ class ChannelEffect : public Effect {
   /// Keys for injection, one for each of parameters().
   virtual std::vector<InjectedValue> injected(JointType type) const = 0;
 
-  /// Place in the name of a parameter: "yaw", or "arm" for the whole arm.
+  /// Name of the joint that a parameter of the term belongs to: "yaw", or "arm" for the whole arm.
   std::string place(const Model& arm, const EffectTerm& term) const;
 };
 
@@ -88,7 +88,7 @@ class SensorError : public ChannelEffect {
   virtual void change(RecordedChannel& shown, std::optional<JointIndex> from,
                       const std::vector<double>& values) const = 0;
 
-  /// Adds it to `recorded` of the coordinates.
+  /// Adds the error to `recorded` of the coordinates that it concerns.
   void apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
              const std::vector<double>& values) const final;
 
@@ -115,8 +115,8 @@ class ArmEffect : public ChannelEffect {
   /// Further starting points of the iteration, for effects that the linearisation at zero does not describe.
   virtual std::vector<std::vector<double>> far_values() const { return {}; }
 
-  /// The values that change one arm into the other. @param sum  of all successive changes: the default
-  /// result; override the function if changes do not add.
+  /// The values that change one arm into the other. @param sum  sum of all successive changes, which is the
+  /// default result; override the function if changes do not add.
   virtual std::vector<double> values_between(const ModelDescription& /*without*/, const ModelDescription& /*with*/,
                                              std::vector<double> sum) const {
     return sum;

@@ -80,9 +80,9 @@ struct EffectShape {
 /// How an axis moves, in recordings or within its limits.
 struct AxisMotion {
   JointType type = JointType::kRevolute;
-  double middle = 0.0;    ///< [rad] or [m] of its travel
-  double travel = 0.0;    ///< [rad] or [m]
-  double speed = 0.0;     ///< [rad/s] or [m/s] largest
+  double middle = 0.0;    ///< middle of its travel [rad] or [m]
+  double travel = 0.0;    ///< travel [rad] or [m]
+  double speed = 0.0;     ///< largest speed [rad/s] or [m/s]
   double duration = 0.0;  ///< [s] duration of the longest recording; 0: unknown
   /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was
   /// computed.
@@ -223,11 +223,11 @@ class BoundEffect {
     start_time_ = start_time;
   }
 
-  /// s, ds, dds (and the source's) from one state; q, dq, ddq point at n entries `stride` apart.
+  /// Computes s, ds, dds (and the source's) of one state; q, dq, ddq point at n entries `stride` apart.
   AxisSample sample(double time, const double* q, const double* dq, const double* ddq,
                     long stride) const noexcept;
 
-  /// One row of columns along the axis; advances the memory.
+  /// Computes one row of columns along the axis; advances the memory.
   void columns(const AxisSample& sample, EffectColumns& row) noexcept {
     effect_->columns(sample, shape_, state_, row);
   }

@@ -33,7 +33,7 @@ class EffectFacts : private BoundEffect {
     return out;
   }
 
-  /// [N m] or [N] along the axis at one sample, with the values of the model and the initial state.
+  /// Force along the axis [N m] or [N] at one sample, with the values of the model and the initial state.
   double force_at(const AxisSample& sample) const noexcept {
     EffectColumns row{};
     EffectState state{};

@@ -8,10 +8,11 @@
 
 namespace veridyn {
 
-/// All numbers that determine the pose of a frame: of its DH row or of its joint's origin, then every ratio.
+/// All numbers that determine the pose of a frame: those of its DH row or of its joint's origin, then all
+/// ratios.
 std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex frame);
 
-/// "theta", "yaw", "ratio of pitch".
+/// Name of a constant: "theta", "yaw", "ratio of pitch".
 std::string name_of(const Model& arm, const FrameConstant& constant);
 
 /// "rad", "m", or "1" for a ratio.

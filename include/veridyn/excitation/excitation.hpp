@@ -73,7 +73,7 @@ struct ExcitationOptions {
   /// The two causes of kDiscriminate: effects, loads, errors of channels. Torque gains, loads and tilts
   /// use the arm's own values.
   std::optional<std::pair<Cause, Cause>> between{};
-  ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
+  ColumnScaling scaling = ColumnScaling::kNorm;                ///< used by kCondition
   /// Threshold EssentialParameters::share, at least 0 and below 1. Above 0, the criterion uses the essential
   /// parameters only; this is not available for kDiscriminate.
   double essential = 0.0;
@@ -200,7 +200,7 @@ struct Excitation {
   std::vector<std::string> base{};
   double condition_number = 0.0;        ///< condition number of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< condition number of the unscaled base regressor
-  /// Columns divided by the difference of their largest and smallest entries.
+  /// Condition number of the columns divided by the difference of their largest and smallest entries.
   double range_condition_number = 0.0;
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
   /// Like condition_number, of this motion and the given recordings together; equal without any.
@@ -209,7 +209,8 @@ struct Excitation {
   double log_determinant = 0.0;
   /// Condition number of the first random motion, in the same columns.
   double start_condition_number = 0.0;
-  /// For ExcitationOptions::essential, or for 0.01 if that is zero and some parameter would be regrouped.
+  /// Essential parameters for ExcitationOptions::essential, or for 0.01 if that is zero and any would be
+  /// regrouped.
   std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The combination of base parameters that the motion identifies worst: names and parts (of norm

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// A file of a simulation with the values of a model in it.
+/// A simulator's file with the values of a model.
 struct UpdatedFile {
   std::string xml;
   std::vector<std::string> changed;   ///< parts that got other values: "inertial of forearm"

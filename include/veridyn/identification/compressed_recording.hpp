@@ -11,10 +11,10 @@ namespace veridyn {
 
 /// Ranges of one joint's torque, speed and position.
 struct TorqueFacts {
-  double minimum = 0.0;  ///< [N m] or [N], filtered
+  double minimum = 0.0;  ///< smallest filtered torque [N m] or [N]
   double maximum = 0.0;
   double largest_speed = 0.0;  ///< [rad/s] or [m/s]
-  double lowest = 0.0;         ///< position [rad] or [m]
+  double lowest = 0.0;         ///< smallest position [rad] or [m]
   double highest = 0.0;
 
   double travel() const { return highest - lowest; }
@@ -77,8 +77,8 @@ struct PredictionSeries {
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 
-/// Second pass: errors of given parameter values on every row of a recording, and on request a
-/// series of some thousand samples.
+/// Computes, in a second pass, the errors of given parameter values on every row of a recording, and on request
+/// a series of some thousand samples.
 ///
 /// @param without_excluded  if not null, set to the errors outside of the intervals that
 /// options.excluded_intervals excludes.

@@ -82,8 +82,8 @@ enum class FeasibleStatus {
 enum class Certificate {
   kRigorous,  ///< weak duality; dual residuals and rounding multiplied by bounds that follow from
               ///< G, h and J >= 0
-  /// some parameter has no such bound; its |x_j| was assumed below 2*|x_j| + ||z||/||R_j|| (2*|x_j|
-  /// where R does not see it). See `unbounded_columns`.
+  /// some parameter has no such bound; its |x_j| was assumed below 2*|x_j| + ||z||/||R_j|| (2*|x_j| if column
+  /// R_j is zero). See `unbounded_columns`.
   kNoBox
 };
 

@@ -33,7 +33,7 @@ struct FleetSpread {
   std::string name;
   std::string unit;
   double median = 0.0;
-  double spread = 0.0;  ///< robust standard deviation over the arms, 1.4826 of the median deviation
+  double spread = 0.0;  ///< robust standard deviation over the arms: 1.4826 times the median deviation
   int arms = 0;         ///< number of arms that identify it
 };
 

@@ -17,8 +17,8 @@ namespace veridyn {
 
 enum class Method {
   kOls,       ///< ordinary least squares on the base parameters
-  kWls,       ///< the rows of each joint weighted
-  kFeasible,  ///< weighted, and every body physically possible
+  kWls,       ///< weighted least squares, with one weight for the rows of each joint
+  kFeasible,  ///< weighted least squares, in which every body is physically possible
   kIv,     ///< instrumental variables from a simulated motion; not from factors
   kDidim,  ///< least squares along a simulated motion alone; not from factors
 };
@@ -43,8 +43,7 @@ struct IdentificationOptions {
   /// Friction that is identified in addition to that of the robot file; see Identification::remarks.
   JointFriction friction = JointFriction::kAuto;
   PreprocessingOptions preprocessing;
-  std::optional<PreprocessingOptions> test_preprocessing;  ///< options for the test recordings; nullopt:
-                                                           ///< `preprocessing`
+  std::optional<PreprocessingOptions> test_preprocessing;  ///< options for test recordings; nullopt: the same
   /// For kFeasible: regularises towards the inertial parameters of this model, by the entropic
   /// divergence; its bodies need values.
   std::optional<Model> prior;
@@ -78,7 +77,8 @@ struct BaseValue {
   std::string expression;
   std::string unit;
   double value = 0.0;
-  double std = 0.0;  ///< block jackknife, so that correlated samples do not count as independent
+  double std = 0.0;  ///< standard deviation by block jackknife, so that correlated samples do not count as
+                     ///< independent
 };
 
 /// Errors of the identified model on one recording.
@@ -158,9 +158,9 @@ struct Identification {
   PredictionError train_error, test_error;  ///< errors over all recordings, on every row as recorded
   /// Errors over all recordings, see RecordingError; empty where no row was interpolated or excluded.
   PredictionError train_repaired, test_repaired, train_without_excluded, test_without_excluded;
-  VectorXd noise_floor;           ///< relative, (n), of the training recordings
-  VectorXd parameters;            ///< all standard parameters
-  VectorXd parameter_deviations;  ///< NaN where only a combination is determined
+  VectorXd noise_floor;           ///< (n) relative noise floor of the training recordings
+  VectorXd parameters;            ///< values of all standard parameters
+  VectorXd parameter_deviations;  ///< standard deviations; NaN where only a combination is determined
   std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording> factors;  ///< factors of the training recordings, for computations without their
                                              ///< samples

@@ -23,7 +23,7 @@ struct RestPoses {
 /// velocities, or all are zero, every row is a pose. Velocities that are all -1, 0 or 1 are directions
 /// of approach. A file needs no time.
 ///
-/// @param approach  of all joints and poses, in place of that of the recording.
+/// @param approach  direction for all joints and poses, which replaces that of the recording.
 /// @throws InvalidInput  the file is bad, does not fit the arm, or has no pose.
 RestPoses read_rest_poses(const Model& arm, const std::string& path,
                           const PreprocessingOptions& how, std::optional<double> approach = {});
@@ -38,7 +38,7 @@ Model with_effects_at_rest(const Model& arm, bool approached);
 /// Level of the constant dry friction of each coordinate (n), by the values of the arm [N m], [N].
 VectorXd dry_friction(const Model& arm);
 
-/// A factor for every joint and part of the poses.
+/// Compresses poses to a factor for every joint and part of the poses.
 CompressedRecording compress(const Model& arm, const RestPoses& poses);
 
 /// identify() from poses alone, where velocities and accelerations are zero:

@@ -46,7 +46,7 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
 /// True for a contradiction that check_against() found, except warnings and information.
 bool is_contradiction(const QualityFinding& finding);
 
-/// Both lists, worst first, without findings of `quality` that a contradiction explains.
+/// The findings of both lists, worst first, without those of `quality` that a contradiction explains.
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality);
 
 /// Contradictions in recordings that an identification explains badly; empty, without computation, if no error is large.

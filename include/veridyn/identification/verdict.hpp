@@ -25,7 +25,7 @@ const char* name_of(IdentifiedState state);
 struct IdentifiedJoint {
   std::string joint;
   IdentifiedState state = IdentifiedState::kCannotTell;
-  double error = 0.0;  ///< relative, on held-out recordings if there are any, else on the training
+  double error = 0.0;  ///< relative error on held-out recordings if there are any, else on the training recordings
   double floor = 0.0;  ///< relative noise floor; NaN if nothing repeats
   /// Share of the joint's range covered by the training; NaN: no limits in the file.
   double range = 0.0;
@@ -35,7 +35,7 @@ struct IdentifiedJoint {
 /// Quality of an identification joint by joint, with the recommended next step.
 struct IdentificationVerdict {
   std::vector<IdentifiedJoint> joints;
-  bool held_out = false;  ///< errors are of held-out recordings, of which no row was learned from
+  bool held_out = false;  ///< errors are those of held-out recordings, of which no row is in the training
   std::string sentence;   ///< joints by state, with the recommendation
 };
 

@@ -51,7 +51,7 @@ struct LinkPair {
   int first, second;
 };
 
-/// Parents before children. The arrays belong to a Tree.
+/// The links of an arm, parents before children. The arrays belong to a Tree.
 struct Links {
   int joints;
   int count;     ///< links
@@ -66,8 +66,8 @@ struct Links {
   /// whole number of the widest vectors.
   const double* seeds;
   int seed_width;
-  /// Every link has a coordinate of its own and every coordinate a link: joint variables are
-  /// independent then, and the mass matrix can be factored along the tree.
+  /// True: every link has a coordinate of its own and every coordinate a link, so that joint variables are
+  /// independent and the mass matrix can be factored along the tree.
   bool independent;
   bool in_order;  ///< true: in addition, coordinate k is the joint variable of link k, up to a coefficient
   const LinkPair* stranger;  ///< pairs of links of which none carries the other

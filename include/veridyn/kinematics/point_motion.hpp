@@ -12,8 +12,8 @@ namespace veridyn {
 /// after the constructor.
 class PointMotion {
  public:
-  /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param frame  index in the model.
-  /// @param offset  of the point, in the frame.
+  /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param frame  index in the model. @param
+  ///   offset  position of the point in the frame [m].
   PointMotion(const Tree& arm, int frame, const Vec3d& offset = {0, 0, 0});
 
   /// Computes pose, twist, Jacobian and its derivative. @param q, dq  n entries each. Cost: O(joints above the

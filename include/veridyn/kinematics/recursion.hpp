@@ -159,15 +159,15 @@ inline void rotation_step(const Link& link, LinkState<S>& at) {
           {A.row2.x * c + A.row2.y * s, A.row2.y * c - A.row2.x * s, S(A.row2.z)}};
 }
 
-/// R' a: from the axes of the parent to those of the joint. Five products suffice where A is a
-/// quarter turn.
+/// The product R' a, which changes from the axes of the parent to those of the joint. If A is a quarter turn,
+/// five products suffice.
 template <typename S, typename V>
 inline Vec3<V> to_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
   if (!link.quarter_turn) return rotate_back(R, a);
   return {R.row0.x * a.x + R.row2.x * a.z, R.row0.y * a.x + R.row2.y * a.z, R.row1.z * a.y};
 }
 
-/// R a: from the axes of the joint to those of the parent.
+/// The product R a, which changes from the axes of the joint to those of the parent.
 template <typename S, typename V>
 inline Vec3<V> from_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
   if (!link.quarter_turn) return rotate(R, a);

@@ -32,17 +32,17 @@ class SquareRootInformation {
   const std::vector<std::string>& columns() const { return *columns_; }
   int size() const { return static_cast<int>(columns_->size()); }
 
-  /// (size() x size()), computed at every call.
+  /// The triangle R, (size() x size()), computed at every call.
   MatrixXd R() const;
   VectorXd z() const;
 
-  /// Squared residual that no x can remove.
+  /// The squared residual rho^2 that no x can remove.
   double rho2() const;
 
-  /// Rows absorbed so far.
+  /// Number of rows absorbed so far.
   double rows() const { return rows_; }
 
-  /// || b ||^2 of all rows.
+  /// The sum || b ||^2 over all rows.
   double rhs_norm2() const { return z_.squaredNorm() + rho2_; }
 
   /// Adds the rows of A x ~ b; A is (rows x size()). Householder reflections in panels (compact
@@ -57,7 +57,7 @@ class SquareRootInformation {
   /// Like merge(), but columns that this factor does not have are ignored.
   void merge_known(const SquareRootInformation& other, double weight = 1.0);
 
-  /// || A x - b ||^2 for x in the order of columns().
+  /// The squared residual || A x - b ||^2 for x in the order of columns().
   double residual2(const VectorRef& x) const;
 
   /// A factor of these rows restricted to the given columns, in their order. A column that the factor does not

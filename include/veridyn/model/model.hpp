@@ -202,7 +202,7 @@ class Model {
   /// Indices of the frames that carry a body, in the order of their columns in the regressor.
   const std::vector<int>& bodies() const { return bodies_; }
 
-  /// Index of the name, or -1.
+  /// Index of the frame with this name, or -1.
   int find_frame(const std::string& name) const;
   int find_coordinate(const std::string& name) const;
 
@@ -225,7 +225,7 @@ void place(Frame& frame, const DhRow& dh);
 std::string effort_unit(const Coordinate& coordinate);
 std::string position_unit(const Coordinate& coordinate);
 
-/// Units of the axis' variable: metres if all coordinates with a coefficient are prismatic.
+/// True if the axis' variable is in metres: all coordinates with a coefficient are prismatic.
 bool is_prismatic(const Model& arm, const Axis& axis);
 
 /// The index of the coordinate with the largest share in the axis.

@@ -43,7 +43,7 @@ struct ExcludedInterval {
   std::string why;
 };
 
-/// Weights of the samples of one recording in the fit of every joint, from a robust loss.
+/// Weights of one recording's samples in the fit of every joint, as they result from a robust loss.
 struct SampleWeights {
   std::vector<double> time;  ///< [s] time since the recording began, increasing
   MatrixXd of_joint;         ///< (times x n) >= 0
@@ -54,7 +54,7 @@ struct SampleWeights {
 /// Options for turning a recording into samples.
 struct PreprocessingOptions {
   double cutoff = 5.0;  ///< [Hz] cut-off of the low-pass; 0: no filter
-  int order = 6;        ///< order of one of its two passes
+  int order = 6;        ///< order of the filter in one of its two passes
   Filtering filtering = Filtering::kMatched;
   /// [Hz] low-pass of q and dq before the columns are built, as a multiple of the cut-off (kMatched
   /// only).
@@ -67,12 +67,12 @@ struct PreprocessingOptions {
   double rate = 0.0;  ///< [Hz] rate of the uniform grid; 0: one over the median time step
   double drop_start =
       1.2;  ///< [s] left out at the start of the file: transients of the motion and of the filter
-  double drop_end = 0.5;  ///< [s] left out at its end
+  double drop_end = 0.5;  ///< [s] left out at the end of the file
   /// First row of the file to use; the filter sees the rows around the selection.
   long first_row = 0;
   std::optional<long> row_count = {};  ///< nullopt: to the end
-  /// [rad/s] or [m/s]: rows with a slower joint are excluded from its fit; errors are measured on
-  /// all rows.
+  /// [rad/s] or [m/s]: rows in which a joint is slower are excluded from the fit of this joint; errors are
+  /// measured on all rows.
   double min_speed = 0.0;
   /// Keeps one of this many samples after the filter; 0: as many samples as four times the cut-off needs.
   int decimation = 0;

@@ -10,7 +10,7 @@ struct TopicFacts {
   std::string name;
   std::string type;
   long messages = 0;
-  double rate = 0.0;                ///< [Hz] mean; 0: fewer than two messages
+  double rate = 0.0;                ///< [Hz] mean rate; 0: fewer than two messages
   std::vector<std::string> joints;  ///< joints with positions, velocities or efforts in it
   bool used = false;                ///< true: it provides signals of the arm
   std::string undecoded;  ///< reason if it is not decoded; empty: it is decoded, or not needed

@@ -21,11 +21,11 @@ struct WatchedSource {
   int alarms() const;
 };
 
-/// One event as one line without line end: {"event": "named", "id": 1, "time": ..., ...}.
+/// Writes one event as one line without line end: {"event": "named", "id": 1, "time": ..., ...}.
 std::string json_line(const WatchEvent& event, const std::string& source);
 
-/// Command "watch": {"veridyn", "command", "robot", "sources": [{"source", "seconds", "learned", "blind",
-/// "alarms", "alarms_per_hour", "events": [...]}], "running"}.
+/// Result of the command "watch": {"veridyn", "command", "robot", "sources": [{"source", "seconds", "learned",
+/// "blind", "alarms", "alarms_per_hour", "events": [...]}], "running"}.
 std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm, bool running);
 
 /// A page with these results and the residuals over time; it reloads every two seconds while `running`.

@@ -23,7 +23,8 @@ struct BreakawayEvent {
   double recorded_at = 0.0;
   double recorded = 0.0;  ///< [N m], [N] effort at the onset of sliding
   double simulated_at = 0.0;
-  double simulated = 0.0;  ///< NaN: the model did not slide, although the effort continued
+  double simulated = 0.0;  ///< [N m], [N] the same in the simulation; NaN: the model did not slide under the
+                           ///< continued effort
 };
 
 struct Breakaway {
@@ -35,7 +36,7 @@ struct Breakaway {
   double simulated_forward = 0.0, simulated_backward = 0.0;
   VectorXd simulated_q;  ///< (rows) simulated position of the joint; NaN where the model did not run
 
-  /// Text: every ramp with both efforts, and the medians.
+  /// Lists every ramp with both efforts, and the medians, as text.
   /// @param joint  the coordinate. @param recording  name of the recording in the text.
   std::string report(const Coordinate& joint, const std::string& recording) const;
 };

@@ -51,7 +51,7 @@ class Engine {
   virtual const std::vector<std::string>& left_out() const = 0;
 };
 
-/// "veridyn": a Plant; "mujoco": MuJoCo with the same model, in builds that include it.
+/// Makes an engine: "veridyn" is a Plant, "mujoco" is MuJoCo with the same model, in builds that include it.
 /// @throws InvalidInput  the engine does not exist or refuses the model.
 std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm);
 

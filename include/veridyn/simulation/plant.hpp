@@ -65,7 +65,7 @@ class Plant final : public Engine {
   /// ddq + C dq + g + these.
   const VectorXd& effect_torques() const;
 
-  /// Substeps accepted and rejected since set_state().
+  /// Numbers of substeps accepted and rejected since set_state().
   struct Work {
     long taken = 0;
     long refused = 0;

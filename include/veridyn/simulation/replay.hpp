@@ -36,7 +36,7 @@ enum class ReplayDrive {
 
 struct ReplayOptions {
   ReplayDrive drive = ReplayDrive::kCommands;
-  LoopOptions loop;  ///< for the PID; empty gains: sensible_gains() of the arm
+  LoopOptions loop;  ///< loop of the PID; empty gains: sensible_gains() of the arm
   /// [Hz] zero-phase low-pass of the motion and the torques from which set points are computed; 0:
   /// none.
   double set_point_cutoff = 0.0;
@@ -44,7 +44,7 @@ struct ReplayOptions {
   int order = 6;
 };
 
-/// Simulated against recorded, over the rows in use. (n) each.
+/// Comparison of simulated with recorded signals, over the rows in use. (n) each.
 struct Replay {
   EngineRun run;
   PidGains gains;

@@ -25,7 +25,7 @@ struct CommonOptions {
   std::vector<double> drive_gains;  ///< torque per ampere of each joint; empty: those of the file
 };
 
-/// A half-open range of rows; without a count: to the end.
+/// A half-open range of rows; without a count it extends to the end.
 struct RowRange {
   long first = 0;
   std::optional<long> count = {};

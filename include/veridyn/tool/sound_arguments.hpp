@@ -13,7 +13,7 @@ namespace veridyn::cli {
 CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
                                const std::string& help, const std::vector<std::string>& endings = {});
 
-/// For inputs that are named in a file rather than as arguments.
+/// Checks an option against inputs that are named in a file rather than as arguments.
 /// @throws CLI::ValidationError  the option's file is one of those that are read.
 void require_separate_output(const std::string& option, const std::string& output,
                   const std::vector<std::string>& inputs);

@@ -30,7 +30,7 @@ class YamlNode {
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   /// Content of the node, for messages.
   std::string found() const;
-  /// "file:line".
+  /// Position of the node as "file:line".
   std::string where() const;
 
   bool is_map() const { return node_.IsMap(); }
