@@ -9,8 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kExcited = 0.2;  // smallest share of the sum of F^2 that must remain after regression on an offset
-                                  // and a slope
+constexpr double kExcited = 0.2;  // smallest share of the sum of F^2 that remains after a fit of offset and slope
 constexpr double kNoFriction = 1e-9;  // [N m], [N] smaller friction counts as none
 constexpr double kNoPlace = 1e-9;  // relative variation of the position, below which no slope is determined
 

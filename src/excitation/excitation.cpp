@@ -26,8 +26,7 @@ namespace {
 constexpr double kUsualShare = 0.01;  // share of essential parameters that is reported by default
 // Distance from a bound, relative to the limit's size, below which the limit is active.
 constexpr double kClose = 0.06;
-constexpr double kSmallestSize = 0.1;  // [m] smallest size of a one-sided limit, which otherwise is that of its
-                                       // bound
+constexpr double kSmallestSize = 0.1;  // [m] smallest size of a one-sided limit; else the size is its bound's
 constexpr int kRounds = 3;            // rounds of new base columns and descents
 
 void check(const ExcitationOptions& o) {

@@ -9,7 +9,7 @@ namespace veridyn {
 
 /// The least-squares solution for the base parameters, computed from factors alone.
 struct BaseSolution {
-  VectorXd beta;       ///< (base)
+  VectorXd beta;       ///< (base) base parameters
   VectorXd white_std;  ///< (base) standard deviations for independent samples
   VectorXd std;        ///< (base) standard deviations by block jackknife over the blocks of all recordings
   /// F (base x clusters): the covariance of beta is F F', which gives std; (base x 0) for fewer than three

@@ -25,19 +25,20 @@ struct IdentificationNumbers {
   double velocity_gain = 0.04;
 
   // Verdicts on joints.
-  /// error <= far_above_floor * floor: at its floor. Beyond twice, more than three quarters of the squared
-  /// residual is no noise; floors from repeats include some variation from period to period.
+  /// error <= far_above_floor * floor: the joint is at its noise floor. Beyond twice, more than three quarters
+  /// of the squared residual is no noise; floors from repeats include some variation from period to period.
   double far_above_floor = 2.0;
-  /// error <= below_any_sensor, a share of the torque: at its floor; 1 % is better than torque sensors.
+  /// error <= below_any_sensor, a share of the torque: the joint is at its noise floor; 1 % is better than any
+  /// torque sensor.
   double below_any_sensor = 0.01;
-  /// share of the range and of the speed < hardly_moves: the joint is recorded again.
+  /// share of the range and of the speed < hardly_moves: the joint has to be recorded again.
   double hardly_moves = kHardlyMoves;
   /// largest torque of each joint < no_torque [N m], [N]: no torque was recorded. No sensor resolves so little,
   /// and tolerances for rounding matter from 1e-16 on.
   double no_torque = 1e-12;
   /// distance between samples > adjacent [s]: a gap, across which repeats are not compared.
   double adjacent = 0.05;
-  /// share of a recording's samples in gaps or beside them < few_in_gaps: not worth a line.
+  /// share of a recording's samples in gaps or beside them < few_in_gaps: not reported.
   double few_in_gaps = 1e-3;
 
   /// share of a test recording's rows that a training recording holds as well >= learned_rows: it is not held out. With
@@ -46,7 +47,7 @@ struct IdentificationNumbers {
 
   // Standard deviations.
   /// blocks of a recording <= most_blocks, phases of a period = phases: enough for a jackknife, and long
-  /// beside the correlation of the residuals.
+  /// compared with the correlation time of the residuals.
   int most_blocks = 16, phases = 8;
   /// blocks of all recordings together <= blocks_of_all, one at least of each: 10 recordings keep 16 each,
   /// 16 recordings eight, 100 one.
@@ -88,7 +89,8 @@ namespace identifying {
 constexpr IdentificationNumbers numbers;
 
 // Definitions.
-/// speed > kMovingShare * the joint's largest: a moving row, whose error docs/contract.md counts apart.
+/// speed > kMovingShare * the joint's largest: the row counts as moving; its error is reported separately
+/// (docs/contract.md).
 constexpr double kMovingShare = 0.02;
 constexpr double kHardlyTorque = 1e-4;    ///< [N m], [N] torque below what any arm's drives show
 constexpr std::size_t kShownAtEdge = 4;   ///< active bodies and bounds listed in the text; the JSON has all
@@ -137,8 +139,8 @@ constexpr double kFirstDamping = 1e-6;     ///< initial damping of that search
 constexpr double kLeastDamping = 1e-14;    ///< smallest damping of that search
 constexpr double kMostDamping = 1e6;       ///< largest damping of that search: no step succeeds
 constexpr double kDampingUp = 10.0;        ///< factor of the damping after a step that fails; its inverse after a success
-constexpr double kLeastNoise = 1e-9;       ///< smallest noise, as a share of a joint's currents, so that exact data
-                                           ///< cause no division by zero
+constexpr double kLeastNoise = 1e-9;       ///< smallest noise, as a share of a joint's currents; no division by
+                                           ///< zero
 constexpr double kNoScale = 1e-9;          ///< gains below this share of the largest one count as zero
 // A solid ball stands in for moments of inertia that poses at rest cannot determine.
 constexpr double kBallMass = 1.0;          ///< [kg] mass of the ball

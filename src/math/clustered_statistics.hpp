@@ -22,7 +22,7 @@ inline MatrixXd jackknife_factor(const MatrixXd& without) {
   return (without.colwise() - mean) * std::sqrt((g - 1.0) / g);
 }
 
-/// Standard deviations, (k).
+/// The standard deviations of the estimates, (k).
 inline VectorXd jackknife_deviations(const MatrixXd& without) {
   const auto g = static_cast<double>(without.cols());
   const MatrixXd centred = without.colwise() - without.rowwise().mean();

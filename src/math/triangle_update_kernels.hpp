@@ -17,8 +17,7 @@ struct TriangleLoops {
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));
   static constexpr int kPanel = kTrianglePanel;
   static constexpr int kAcross = kPanel / P::kSize;  // number of vectors in a panel's row
-  static constexpr int kUnroll = 4;                  // number of rows processed at once; their total is a multiple
-                                                     // of it
+  static constexpr int kUnroll = 4;                  // rows processed at once; the total is a multiple of it
   static constexpr double kNothing = 1e-200;  // a smaller square has no finite inverse
   // Number of vectors of columns, and of reflections, that are processed at once: as many sums as fit into
   // registers.

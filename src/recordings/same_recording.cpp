@@ -12,8 +12,7 @@ namespace veridyn {
 namespace {
 
 constexpr std::size_t kSampled = 4096;  // number of hashes in a sample
-constexpr long kRun = 4;                // rows per hash, since coarse signals of a servo repeat single rows by
-                                        // chance
+constexpr long kRun = 4;                // rows per hash; coarse signals repeat single rows by chance
 
 // FNV-1a over the values of the rows up to k, rounded to single precision, so that a file with seven digits has
 // the same hashes.

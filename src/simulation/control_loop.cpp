@@ -16,8 +16,7 @@ namespace {
 
 constexpr double kMostUnderWay = 1e6;  // largest number of delayed positions, all of which are stored
 constexpr double kContactRamp = 0.1;  // [s] fade-in and fade-out time of a contact
-constexpr double kFar = 10.0;         // distance from the set point, in ranges of the joint, from which no
-                                      // controller recovers
+constexpr double kFar = 10.0;         // largest distance from the set point, in ranges of the joint
 constexpr double kStepSeconds = 1.0;  // [s] duration of a joint's step
 constexpr double kStepRest = 2.0;     // [s] rest after a step
 constexpr double kStepPeriod = 1e-3;  // [s] period of the rows

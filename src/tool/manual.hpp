@@ -17,7 +17,7 @@ struct ManualPage {
     std::vector<Entry> entries;
   };
   std::string name;     ///< full name, such as `veridyn dvrk run`
-  std::string summary;  ///< one line
+  std::string summary;  ///< summary in one line
   std::string usage;    ///< command line with its required options
   std::vector<Section> sections;
   std::string notes;            ///< preformatted lines after the options; may be empty

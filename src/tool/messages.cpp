@@ -20,8 +20,7 @@ constexpr double kFirstEstimate = 0.1;  // share of the work that must be done b
 constexpr double kShort = 3.0;          // [s] work before the first estimate
 constexpr double kRedraw = 0.05;        // [s] between two drawings of a bar
 constexpr double kQuietFor = 2.0;       // [s] between two plain lines of one stage
-constexpr std::size_t kLongest = 100;   // largest number of characters of an activity next to a bar, so that both
-                                        // fit into one line
+constexpr std::size_t kLongest = 100;   // largest number of characters of an activity beside a bar, in one line
 const char* const kClearLine = "\r\033[K";
 
 bool on_terminal() {

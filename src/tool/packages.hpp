@@ -11,8 +11,7 @@ namespace veridyn::cli {
 struct PackageCommand {
   std::string command;  ///< command of `veridyn`
   std::string package, program;
-  std::string summary;  ///< text for the list of commands; empty: a command of the library, which the package
-                        ///< extends
+  std::string summary;  ///< text for the list of commands; empty: it extends a library command
   std::vector<std::string> words;  ///< arguments by which a call of such a command belongs to the package
 };
 

@@ -131,8 +131,7 @@ int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) 
     } else {
       words.insert(words.begin(), command_of(argc > 0 ? argv[0] : ""));
     }
-    if (words.back() == "--version") words = {"--version"};  // prints the version of the package, also for a
-                                                             // command with subcommands
+    if (words.back() == "--version") words = {"--version"};  // the package's version, also for subcommands
     return run(commands, words);
   });
 }

@@ -130,8 +130,7 @@ class CooperativeController {
   /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes. False
   /// during another rotation.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
-  /// Moves every follower by `by` [m] away from the centroid: (6.4), with the sign for which positive values
-  /// pull.
+  /// Moves every follower by `by` [m] away from the centroid: (6.4), with the sign for which positive values pull.
   bool expand_grasp(double by, double duration) noexcept;
   /// Moves one arm relative to the object, for regrasping; in the world [m].
   bool move_arm(int arm, const Eigen::Vector3d& displacement, double duration) noexcept;
@@ -164,8 +163,7 @@ class CooperativeController {
   Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
   Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   double relief_force() const { return options_.relief_force; }
-  /// Sets relief_force [N], for example after a pretension was removed; values that are not above zero are
-  /// ignored.
+  /// Sets relief_force [N], for example after a pretension was removed; values that are not above zero are ignored.
   void relieve_beyond(double force) noexcept {
     if (force > 0.0) options_.relief_force = force;
   }

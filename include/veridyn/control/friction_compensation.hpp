@@ -19,8 +19,7 @@ enum class FrictionRule {
   /// direction of the wanted motion, without jumps.
   kPresliding,
   /// The best estimate of the present friction, for observers and not for compensation: friction with memory is
-  /// computed from its state, other friction in the direction of the measured velocity, linear within its
-  /// deadband.
+  /// computed from its state, other friction in the direction of the measured velocity, linear within its deadband.
   kMeasured
 };
 

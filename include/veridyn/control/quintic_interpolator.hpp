@@ -4,11 +4,10 @@
 
 namespace veridyn {
 
-/// Moves a point from its present position, velocity and acceleration to rest at a goal: each entry
-/// follows the polynomial of degree five that meets all six conditions. A new goal during a move
-/// starts from the present state, so that velocity and acceleration do not jump. Works for joint vectors and
-/// for task coordinates (Cartesian moves along a straight line; the thesis moves 5 mm in 1 s with it).
-/// Nothing allocates after the constructor.
+/// Moves a point from its present position, velocity and acceleration to rest at a goal: each entry follows the
+/// polynomial of degree five that meets all six conditions. A new goal during a move starts from the present state,
+/// so that velocity and acceleration do not jump. Works for joint vectors and for task coordinates (Cartesian moves
+/// along a straight line; the thesis moves 5 mm in 1 s with it). Nothing allocates after the constructor.
 ///
 ///   QuinticInterpolator way(x_start);
 ///   way.move_to(x_goal, 1.0);

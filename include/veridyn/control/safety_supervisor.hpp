@@ -45,9 +45,8 @@ enum class SafetyAction {
   kPass,       ///< the controller's torque, within the motors' limits
   kHold,       ///< brakes with the help of the model, then holds the position where the arm stopped
   kRelease,    ///< gravity compensation and damping only: yields to external forces
-  /// The torque that held the arm at its last valid position plus, decaying with `braking`, most of the
-  /// torque that stops its last valid momentum; no feedback. For counterbalanced arms; others need their
-  /// brakes.
+  /// The torque that held the arm at its last valid position plus, decaying with `braking`, most of the torque that
+  /// stops its last valid momentum; no feedback. For counterbalanced arms; others need their brakes.
   kFreeze
 };
 
@@ -97,8 +96,7 @@ struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
   double dt = 0.001;               ///< [s] measured time since the last update
-  /// [s] age of the positions, since they were requested; if it has grown by dt, they are those of the last
-  /// cycle
+  /// [s] age of the positions, since they were requested; if it has grown by dt, they are those of the last cycle
   double sensor_age = 0.0;
   double sensor_age_range = 0.0;   ///< [s] positions may be younger by this: the time until they arrived
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world

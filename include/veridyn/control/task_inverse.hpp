@@ -27,9 +27,8 @@ double characteristic_length(const Model& arm, const Tip& tip);
 /// Solves J y = a for joint accelerations or velocities, robustly near singularities and for
 /// Jacobians that mix units.
 ///
-/// The Jacobian of a revolute-revolute-prismatic arm holds metres per radian beside metres per
-/// metre, so its singular values depend on the units. Here metres are divided by the characteristic
-/// length L on both sides,
+/// The Jacobian of a revolute-revolute-prismatic arm holds metres per radian beside metres per metre, so its
+/// singular values depend on the units. Here metres are divided by the characteristic length L on both sides,
 ///
 ///   J~ = W_x J W_q,   W_x = 1/L on linear rows,   W_q = L on prismatic columns
 ///

@@ -19,8 +19,7 @@ struct TeleoperationOptions {
   double period = 1e-3;       ///< [s] interval between calls of update()
 };
 
-/// Bilateral teleoperation: the follower's tip follows the leader's, and its force is reflected
-/// back:
+/// Bilateral teleoperation: the follower's tip follows the leader's, and its force is reflected back:
 ///
 ///   x_f = x_f0 + s R (x_l - x_l0)       0: positions when the clutch engaged
 ///   f_l = -k R' f_f - d dx_l/dt         f_f: force of the follower's tip on the environment

@@ -27,11 +27,10 @@ struct TetherGuardOptions {
 ///
 ///   d2L/dt2 <= -2/h dL/dt - (L - L_max)/h^2     (h: horizon)
 ///
-/// so that L approaches L_max at most like exp(-t/h). L_max is the member's unloaded length,
-/// estimated while the task runs, plus the stretch under twice the allowed force; for a member that
-/// has become slack, `margin` below the unloaded length. Members that have carried compression are
-/// kept from being crushed in the same way, with L_min and the signs reversed. Ends of other
-/// members are not moved.
+/// so that L approaches L_max at most like exp(-t/h). L_max is the member's unloaded length, estimated while the
+/// task runs, plus the stretch under twice the allowed force; for a member that has become slack, `margin` below
+/// the unloaded length. Members that have carried compression are kept from being crushed in the same way, with
+/// L_min and the signs reversed. Ends of other members are not moved.
 ///
 /// Velocities and accelerations are estimated from the tips' positions alone (fading-memory
 /// polynomial of the second degree, Morrison 1969, section 13.6): observers that are driven by the

@@ -21,9 +21,8 @@ struct Tip {
 /// The frame that the most joints move; if there are several, the last one.
 std::string default_tip(const Model& arm);
 
-/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and frame_jacobian() define
-/// them, for control loops: only the frames above the tip are visited, and nothing allocates after
-/// the constructor.
+/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and frame_jacobian() define them, for control
+/// loops: only the frames above the tip are visited, and nothing allocates after the constructor.
 ///
 ///   TipKinematics tip(arm, {"tool", {0, 0, 0.01}});
 ///   tip.update(q, dq);  // then tip.position(), tip.jacobian()

@@ -10,8 +10,7 @@
 namespace veridyn {
 
 struct UncertaintyOptions {
-  /// Relative deviation of every parameter, for models without the statistics of their
-  /// identification.
+  /// Relative deviation of every parameter, for models without the statistics of their identification.
   double relative = 0.1;
   double deviations = 3.0;  ///< number of standard deviations of a threshold
   /// Speed of an axis below which its friction may have any value up to its level.

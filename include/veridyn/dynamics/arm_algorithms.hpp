@@ -386,8 +386,7 @@ struct ArmAlgorithms {
         }
         Column<L> c = at.column[place.link];
         if (!place.is_identity) recursion_detail::transform_motion(place.T_link_body, c.w, c.v);
-        // A whole pack may be stored where its surplus lanes fall into columns that are computed
-        // later.
+        // A whole pack may be stored where its surplus lanes fall into columns that are computed later.
         const long left = 10L * (tree.bodies - b) * n;
         regressor_entries(body_motion(at.state[place.link], place), c, [&](int k, const L& y) {
           const bool whole = count == lanes() || (n <= lanes() && left - k * n >= lanes());
@@ -491,8 +490,7 @@ struct ArmAlgorithms {
   static void mass_pairs(const Links& tree, S* M, const Memory& at) {
     at.world.forces(tree);
     matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
-    if (tree.in_order) return;  // otherwise the two triangles are summed in different orders, and M would not be
-                                // exactly symmetric
+    if (tree.in_order) return;  // else the triangles are summed in different orders, and M is not exactly symmetric
     const int n = tree.joints;
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < i; ++j) M[j * n + i] = M[i * n + j];

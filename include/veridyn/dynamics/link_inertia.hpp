@@ -14,8 +14,7 @@ struct InertiaOf {
 };
 using LinkInertia = InertiaOf<double>;
 
-/// A wrench that the environment exerts on a link, at the origin of the link's frame and written in
-/// it.
+/// A wrench that the environment exerts on a link, at the origin of the link's frame and written in it.
 struct LinkWrench {
   int link;
   Vec3d force;   ///< [N]

@@ -5,18 +5,16 @@
 #include "veridyn/dynamics/link_inertia.hpp"
 #include "veridyn/kinematics/recursion.hpp"
 
-// Rigid-body quantities of all links in one frame: the axes of the world, moments and velocities
-// about the origin of the first joint. Matrices of the dynamics are then products of six numbers of
-// one link with six of another, without any change of frame between them, and the inertias of
-// links are sums.
+// Rigid-body quantities of all links in one frame: the axes of the world, moments and velocities about the origin
+// of the first joint. Matrices of the dynamics are then products of six numbers of one link with six of another,
+// without any change of frame between them, and the inertias of links are sums.
 //
 // Sources: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 6 and 7; derivatives: Carpentier
 // and Mansard, RSS 2018; Singh, Russell and Wensing, IEEE RA-L 7(2), 2022.
 
 namespace veridyn {
 
-// True if a pivot is above zero. Symbolic scalars cannot be compared; their pivots count as
-// positive.
+// True if a pivot is above zero. Symbolic scalars cannot be compared; their pivots count as positive.
 inline bool is_positive(double x) {
   return x > 0.0;
 }
@@ -600,8 +598,7 @@ struct WorldRecursion {
     }
   }
 
-  /// Computes the accelerations by the torques of group g, of the joints up to its last; needs
-  /// articulate().
+  /// Computes the accelerations by the torques of group g, of the joints up to its last; needs articulate().
   void respond_to_torque(const Links& tree, int g, int width, L* x, Response* memory) const {
     const int first = g * lanes();
     const int end = first + lanes() < tree.count ? first + lanes() : tree.count;

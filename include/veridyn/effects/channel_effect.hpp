@@ -95,8 +95,7 @@ class SensorError : public ChannelEffect {
   /// True if it is a factor on the recorded torque and nothing else.
   virtual bool scales_torque() const { return false; }
 
-  /// True if it may begin while the arm moves, for example when an encoder slips. Watch tests such
-  /// errors only.
+  /// True if it may begin while the arm moves, for example when an encoder slips. Watch tests such errors only.
   virtual bool may_begin_suddenly() const { return false; }
 };
 

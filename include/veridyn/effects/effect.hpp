@@ -13,8 +13,7 @@
 
 namespace veridyn {
 
-/// Speed below which friction without memory passes linearly through zero instead of switching its
-/// sign.
+/// Speed below which friction without memory passes linearly through zero instead of switching its sign.
 constexpr double kRestSpeed = 1e-4;  ///< [rad/s] or [m/s]
 
 /// One sample along an effect's axis s = c . q + s0.
@@ -84,13 +83,11 @@ struct AxisMotion {
   double travel = 0.0;    ///< travel [rad] or [m]
   double speed = 0.0;     ///< largest speed [rad/s] or [m/s]
   double duration = 0.0;  ///< [s] duration of the longest recording; 0: unknown
-  /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was
-  /// computed.
+  /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was computed.
   std::optional<std::vector<double>> waves{};
 };
 
-/// A range of the axis' motion, or of that of `from`, outside of which an effect's columns are
-/// constant.
+/// A range of the axis' motion, or of that of `from`, outside of which an effect's columns are constant.
 struct ActiveRange {
   bool of_source = false;
   bool of_velocity = false;  ///< true: a range of velocity; false: of position
@@ -127,9 +124,8 @@ class Effect {
   /// Properties with the initial constants.
   EffectTraits traits() const;
 
-  /// Initial values of the shape constants for an axis with this motion: all combinations of the
-  /// constants' own grids. One empty choice if the effect has no searched constant; none if the
-  /// spectrum has no significant wave.
+  /// Initial values of the shape constants for an axis with this motion: all combinations of the constants' own
+  /// grids. One empty choice if the effect has no searched constant; none if the spectrum has no significant wave.
   virtual std::vector<ShapeChoice> grid(const AxisMotion& motion) const;
 
   /// Ranges that a motion must reach for the columns to be independent; empty: any motion.
@@ -173,8 +169,7 @@ const AxisEffect& find_axis_effect(const std::string& name);
 bool has_effect(const std::string& name);
 bool has_axis_effect(const std::string& name);
 
-/// All effects, and those that act along an axis, in the order of docs/contract.md; registered ones
-/// follow.
+/// All effects, and those that act along an axis, in the order of docs/contract.md; registered ones follow.
 const std::vector<const Effect*>& all_effects();
 const std::vector<const AxisEffect*>& axis_effects();
 

@@ -8,8 +8,7 @@
 
 namespace veridyn {
 
-/// All numbers that determine the pose of a frame: those of its DH row or of its joint's origin, then all
-/// ratios.
+/// All numbers that determine the pose of a frame: those of its DH row or of its joint's origin, then all ratios.
 std::vector<FrameConstant> constants_of(const Model& arm, FrameIndex frame);
 
 /// Name of a constant: "theta", "yaw", "ratio of pitch".

@@ -21,9 +21,8 @@ namespace veridyn {
 enum class ExcitationCriterion {
   /// Smallest condition number of the base regressor (thesis 5.27).
   kCondition,
-  /// Largest ln det of its Gram matrix, rows divided by their noise (ExcitationOptions::noise): the
-  /// smallest volume of the confidence ellipsoid. Unlike a condition number it depends on the
-  /// amplitude of the motion.
+  /// Largest ln det of its Gram matrix, rows divided by their noise (ExcitationOptions::noise): the smallest volume
+  /// of the confidence ellipsoid. Unlike a condition number it depends on the amplitude of the motion.
   kDOptimal,
   /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
   /// parameter's value; a parameter near zero is replaced by one that makes 0.1 % of the torques.
@@ -79,13 +78,11 @@ struct ExcitationOptions {
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches; the best one is returned
-  /// Iterations of each descent, motions of kRandom in each search. The search ends by this count,
-  /// never by time.
+  /// Iterations of each descent, motions of kRandom in each search. The search ends by this count, never by time.
   int iterations = 400;
-  /// Share of the limits of joints and torques that may be used, above 0 and at most 1. Nullopt:
-  /// margins of a safety supervisor (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of
-  /// torques, whole accelerations, and ranges reduced by 0.25 % at each end and by the braking
-  /// distance.
+  /// Share of the limits of joints and torques that may be used, above 0 and at most 1. Nullopt: margins of a
+  /// safety supervisor (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of torques, whole accelerations, and
+  /// ranges reduced by 0.25 % at each end and by the braking distance.
   std::optional<double> limit_share{};
   /// Share of its designed speed at which the motion is played, above 0 and at most 1: the same path, for a
   /// first run.
@@ -95,15 +92,13 @@ struct ExcitationOptions {
   /// Friction in addition to that of the robot file, as a later identification will add it.
   JointFriction friction = JointFriction::kAuto;
   WorkspaceLimits workspace{};
-  /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
-  /// torques, and the causes of kDiscriminate are built from it. Nullopt: the arm itself, where it
-  /// has values.
+  /// The arm with values of its bodies (and effects, where it has them): its efforts limit the torques, and the
+  /// causes of kDiscriminate are built from it. Nullopt: the arm itself, where it has values.
   std::optional<Model> powered{};
   /// Torque noise for kDOptimal, kAOptimal and the prediction; nullopt: usual_noise() of the arm
   /// with values for the design, expected_noise() for the prediction.
   std::optional<TorqueNoise> noise{};
-  /// The arm with values for the prediction and kAOptimal only; nullopt: `powered`, or the arm
-  /// itself.
+  /// The arm with values for the prediction and kAOptimal only; nullopt: `powered`, or the arm itself.
   std::optional<Model> valued{};
   /// Motions recorded earlier, whose information is added; sampled at their own rate.
   std::vector<MotionSamples> given{};
@@ -209,8 +204,7 @@ struct Excitation {
   double log_determinant = 0.0;
   /// Condition number of the first random motion, in the same columns.
   double start_condition_number = 0.0;
-  /// Essential parameters for ExcitationOptions::essential, or for 0.01 if that is zero and any would be
-  /// regrouped.
+  /// Essential parameters for ExcitationOptions::essential, or for 0.01 if that is zero and any would be regrouped.
   std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The combination of base parameters that the motion identifies worst: names and parts (of norm
@@ -245,8 +239,7 @@ struct Excitation {
 /// Searches for a Fourier trajectory that starts and stops at rest, repeats its period, satisfies all limits
 /// (between samples as well) and optimises the criterion.
 ///
-/// For kDOptimal and kAOptimal every joint uses at least kLittleUse of its range, if the other limits allow
-/// it.
+/// For kDOptimal and kAOptimal every joint uses at least kLittleUse of its range, if the other limits allow it.
 ///
 /// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
 /// continues the best of them on a smooth approximation of the criterion with exact gradients; for

@@ -23,8 +23,7 @@ struct Sphere {
   Eigen::Vector3d centre{0, 0, 0};  ///< centre in the frame [m]
 };
 
-/// Two spheres do not touch: the distance of their centres is at least the sum of the radii plus
-/// `clearance` [m].
+/// Two spheres do not touch: the distance of their centres is at least the sum of the radii plus `clearance` [m].
 struct SpherePair {
   Sphere first;
   Sphere second;
@@ -57,8 +56,7 @@ struct CollisionPair {
   double clearance = 0.0;
 };
 
-/// Default clearance between links: it covers some encoder and mounting errors, and the overshoot of a
-/// controller.
+/// Default clearance between links: it covers some encoder and mounting errors, and the overshoot of a controller.
 constexpr double kLinkClearance = 0.01;
 
 struct CollisionLimits {

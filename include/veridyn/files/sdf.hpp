@@ -6,9 +6,8 @@
 
 namespace veridyn {
 
-/// SDFormat of an arm with values, fixed to the world: one link per frame, joints with limits,
-/// damping and friction, inertials about the centre of mass. Gravity is a comment, because SDF
-/// keeps it in the world.
+/// SDFormat of an arm with values, fixed to the world: one link per frame, joints with limits, damping and
+/// friction, inertials about the centre of mass. Gravity is a comment, because SDF keeps it in the world.
 ///
 /// A joint variable of one coordinate that is not the coordinate itself becomes a `mimic` of
 /// version 1.11; one of several coordinates a chain of mimics along one line, with massless links

@@ -55,8 +55,7 @@ struct DriveGains {
   std::string report() const;
 };
 
-/// Finds the drive gains of an arm that reports motor currents, from recordings with and without a
-/// known mass.
+/// Finds the drive gains of an arm that reports motor currents, from recordings with and without a known mass.
 ///
 ///   current_j = 1/K_j * (Y_j beta + Y_load,j [m, h, L] + effects_j)
 ///

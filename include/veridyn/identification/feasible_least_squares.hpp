@@ -13,9 +13,8 @@ namespace veridyn {
 ///   minimise    ||R*x - z||^2 + rho2
 ///   subject to  J_k(x) positive semidefinite for every body k,   G*x <= h
 ///
-/// R (rows x n) may have any shape and rank; pass the (n x n) square-root factor of long
-/// recordings, since every iteration multiplies by R. rho2 is the part of the sum of squares
-/// outside the factor.
+/// R (rows x n) may have any shape and rank; pass the (n x n) square-root factor of long recordings, since every
+/// iteration multiplies by R. rho2 is the part of the sum of squares outside the factor.
 struct FeasibleProblem {
   MatrixXd R;                     ///< (rows x n)
   VectorXd z;                     ///< (rows)

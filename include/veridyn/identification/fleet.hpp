@@ -101,10 +101,9 @@ struct Fleet {
 ///
 ///   min over beta, eta_1 .. eta_N of  sum_a || W (Y_a beta + F_a eta_a - tau_a) ||^2
 ///
-/// The matrix is a block arrow. Each arm's own columns are eliminated from its factor by QR, the
-/// rest over beta is merged, beta is solved for and substituted for every eta_a: the cost is linear
-/// in the number of arms, and samples are read once. Source: Bierman, 1977, ch. VII (considered and
-/// local parameters).
+/// The matrix is a block arrow. Each arm's own columns are eliminated from its factor by QR, the rest over beta is
+/// merged, beta is solved for and substituted for every eta_a: the cost is linear in the number of arms, and
+/// samples are read once. Source: Bierman, 1977, ch. VII (considered and local parameters).
 ///
 /// With fewer than three arms with data of their own the result has a reason and no model.
 /// @throws InvalidInput  fewer than three arms are left because files cannot be used, or factors

@@ -77,8 +77,7 @@ struct BaseValue {
   std::string expression;
   std::string unit;
   double value = 0.0;
-  double std = 0.0;  ///< standard deviation by block jackknife, so that correlated samples do not count as
-                     ///< independent
+  double std = 0.0;  ///< standard deviation by block jackknife, valid for correlated samples
 };
 
 /// Errors of the identified model on one recording.
@@ -95,8 +94,7 @@ struct RecordingError {
   VectorXd noise_floor;  ///< relative noise floor (n); empty if nothing repeats
   double period = 0.0;   ///< [s] period of the motion; 0: no repetition
   PredictionSeries series;
-  std::string learned_from;  ///< for a test recording: a training recording that contains its rows, so that its
-                             ///< error is not held out
+  std::string learned_from;  ///< for a test recording: a training recording that contains its rows
 };
 
 /// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated with that
@@ -142,8 +140,7 @@ struct Identification {
   double effective_samples = 0.0;  ///< effective sample size: rows corrected for autocorrelation
   bool feasible = false;           ///< every body's pseudo-inertia is positive definite
   double objective = 0.0;          ///< weighted sum of squares
-  double unconstrained_objective = 0.0;  ///< objective of unconstrained least squares on the same rows: <=
-                                         ///< objective
+  double unconstrained_objective = 0.0;  ///< objective of unconstrained least squares on the same rows
   double duality_gap = 0.0;
   /// The duality gap is rigorous, because the robot file bounds all parameters.
   bool certified = false;
@@ -162,8 +159,7 @@ struct Identification {
   VectorXd parameters;            ///< values of all standard parameters
   VectorXd parameter_deviations;  ///< standard deviations; NaN where only a combination is determined
   std::optional<Model> model;     ///< the arm with these values
-  std::vector<CompressedRecording> factors;  ///< factors of the training recordings, for computations without their
-                                             ///< samples
+  std::vector<CompressedRecording> factors;  ///< factors of the training recordings, which replace their samples
   /// Sentences on recordings that are unsuitable as training or test data.
   std::vector<std::string> warnings;
   /// Sentences on friction added to that of the robot file, and on every velocity that was replaced

@@ -18,10 +18,9 @@ struct RestPoses {
   Eigen::Index poses() const { return q.rows(); }
 };
 
-/// The poses of a recording. If it contains velocities of a motion, each interval without motion is
-/// one pose, the mean over its rows, approached in the direction of the last motion. If there are no
-/// velocities, or all are zero, every row is a pose. Velocities that are all -1, 0 or 1 are directions
-/// of approach. A file needs no time.
+/// The poses of a recording. If it contains velocities of a motion, each interval without motion is one pose, the
+/// mean over its rows, approached in the direction of the last motion. If there are no velocities, or all are zero,
+/// every row is a pose. Velocities that are all -1, 0 or 1 are directions of approach. A file needs no time.
 ///
 /// @param approach  direction for all joints and poses, which replaces that of the recording.
 /// @throws InvalidInput  the file is bad, does not fit the arm, or has no pose.

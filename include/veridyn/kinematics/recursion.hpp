@@ -13,8 +13,7 @@
 
 namespace veridyn {
 
-/// Scalar type of constants in arithmetic with S: float where S is float, so that nothing is
-/// promoted to double.
+/// Scalar type of constants in arithmetic with S: float where S is float, so that nothing is promoted to double.
 template <typename S>
 struct ConstantOf {
   using type = double;

@@ -8,8 +8,7 @@
 
 namespace veridyn {
 
-/// Least-squares information of any number of rows A x ~ b, in memory that depends on the number of
-/// columns alone:
+/// Least-squares information of any number of rows A x ~ b, in memory that depends on the number of columns alone:
 ///
 ///   || A x - b ||^2  =  || R x - z ||^2 + rho^2
 ///
@@ -50,8 +49,7 @@ class SquareRootInformation {
   /// a thread's first call of a size.
   void absorb(const MatrixRef& A, const VectorRef& b);
 
-  /// Adds the rows of another factor, each scaled by `weight`. Columns that only the other one has
-  /// are appended.
+  /// Adds the rows of another factor, each scaled by `weight`. Columns that only the other one has are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
 
   /// Like merge(), but columns that this factor does not have are ignored.

@@ -23,8 +23,7 @@ struct BreakawayEvent {
   double recorded_at = 0.0;
   double recorded = 0.0;  ///< [N m], [N] effort at the onset of sliding
   double simulated_at = 0.0;
-  double simulated = 0.0;  ///< [N m], [N] the same in the simulation; NaN: the model did not slide under the
-                           ///< continued effort
+  double simulated = 0.0;  ///< [N m], [N] the same in the simulation; NaN: the model did not slide
 };
 
 struct Breakaway {

@@ -53,7 +53,7 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv", "--criterion"};
   if (next.between.empty()) {
     words.emplace_back("d-optimal");
-    if (!request.model_out.empty()) words[2] = request.model_out;  // tables of the extended model count as parameters
+    if (!request.model_out.empty()) words[2] = request.model_out;  // its tables count as parameters
   } else {
     words.insert(words.end(), {"discriminate", "--between",
                                to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])});

@@ -60,7 +60,7 @@ void report_omitted_effects(const SimulateRequest& request, const std::vector<st
 /// Reports a run that stopped early; its results are not written.
 bool stopped(const EngineRun& run, const Model& arm);
 
-/// @param command_line  for the page.
+/// @param command_line  command line that the page shows.
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
                           const MotionSamples& wanted, const SimulationOptions& options,
                           const std::string& command_line);

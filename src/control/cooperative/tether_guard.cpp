@@ -13,8 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kShortest = 1e-6;  // [m] smallest distance of tips with a defined direction
-constexpr double kLearning = 0.01;  // share of the difference by which the estimate of the unloaded length is
-                                    // corrected in each period
+constexpr double kLearning = 0.01;  // share of the difference that the estimated unloaded length gains per period
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace

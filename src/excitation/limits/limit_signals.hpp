@@ -41,7 +41,7 @@ class LimitSignals {
   int joints() const { return joints_; }
   const LimitSignal& operator[](int k) const { return signals_[k]; }
 
-  /// All signals after q, dq, ddq: (rows x count() - 3 n).
+  /// The signals that follow q, dq, ddq: (rows x count() - 3 n).
   MatrixXd values(const MotionSamples& motion) const;
 
   /// Derivatives of values() with respect to q, dq, ddq of the same row: one matrix (rows x 3 n) for each

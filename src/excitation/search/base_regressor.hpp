@@ -36,8 +36,8 @@ class BaseRegressor {
   MatrixXd gram(const MotionSamples& motion) const;
 
   /// Derivatives of a function of the Gram matrix with respect to q, dq and ddq of every row, (rows x 3 n).
-  /// Bodies by dual numbers; effects, which are functions of a few numbers per sample, by differences of
-  /// fourth order; effects with memory by an adjoint pass.
+  /// Those of bodies are computed by dual numbers; those of effects, which are functions of a few numbers per
+  /// sample, by differences of fourth order; those of effects with memory by an adjoint pass.
   ///
   /// @param by_gram  (size x size), symmetric: derivative of the function with respect to the Gram matrix.
   MatrixXd gradient(const MotionSamples& motion, const MatrixXd& by_gram) const;

@@ -20,8 +20,7 @@ constexpr int kLimitsPerWave = 14;
 static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // successive values of the sharpness of the smooth condition number
 constexpr double kLastSharpness = 100.0;      // sharpness for the best motion of all searches
-constexpr int kNarrowings = 5;                // largest number of rounds that tighten limits until they hold
-                                              // between the instants
+constexpr int kNarrowings = 5;                // most rounds that tighten limits for the times between samples
 constexpr double kWide = 1.01;                // margin above a requested range, because bounds are adapted afterwards
 constexpr double kInside = 1e-7;              // margin for rounding, as a share of a limit's scale
 

@@ -27,7 +27,7 @@ struct Question {
   VectorXd row_weights;  ///< (n)
   VectorXd scale;        ///< scale of the columns
   MatrixXd basis;        ///< basis for ColumnScaling::kOrthogonal
-  RivalColumns rivals;   ///< for kDiscriminate
+  RivalColumns rivals;   ///< columns of the causes, for kDiscriminate
   bool bodies_known = false;
   std::vector<int> rival_joints;  ///< joints of the two causes, from 0
   std::pair<std::string, std::string> rival_names;

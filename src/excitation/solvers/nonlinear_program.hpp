@@ -8,8 +8,7 @@
 
 namespace veridyn {
 
-/// Minimise f(x) subject to lower <= c(x) <= upper, with exact derivatives: interface of the
-/// solvers.
+/// A program for the solvers: minimise f(x) subject to lower <= c(x) <= upper, with exact derivatives.
 class NonlinearProgram {
  public:
   virtual ~NonlinearProgram() = default;

@@ -60,8 +60,7 @@ class MjcfElements {
   pugi::xml_attribute setting_of(pugi::xml_node defaults, const char* element, const char* name) const;
 
   std::unordered_map<std::string, pugi::xml_node> classes_;  // elements <default> of the classes by name
-  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // by element <default> and kind of
-                                                                            // element
+  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // by <default> and kind of element
   double angle_ = 1.0;
   std::string sequence_ = "xyz";
   bool auto_limits_ = true, geoms_always_ = false, geoms_never_ = false;

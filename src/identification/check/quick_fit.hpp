@@ -26,7 +26,7 @@ struct RegressorMoments {
 /// Properties of a recording that do not change under the tested transformations.
 struct RecordedFacts {
   double rate = 0.0;    ///< [Hz]
-  double period = 0.0;  ///< [s] 0: none
+  double period = 0.0;  ///< [s] period of the motion; 0: none
   VectorXd noise2;      ///< (n) share of each joint's squared torque that is white noise
 };
 RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& options);

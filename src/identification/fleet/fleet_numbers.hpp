@@ -7,12 +7,14 @@ namespace veridyn {
 /// All numbers that can change the result of `fleet`, each with its inequality, and with its reason where
 /// one is known.
 struct FleetNumbers {
-  /// arms of a quantity >= fewest, else no arm is compared: of two it is unknown which one is odd.
+  /// number of arms that identify a quantity >= fewest, else none is compared: of two it is unknown which one
+  /// is the outlier.
   int fewest = 3;
   /// |value - median| > noticeable * |median|, else not reported, however narrow the fleet is (an
   /// argument, not measured).
   double noticeable = 0.02;
-  /// rounds of weights, gains and odd arms = rounds; the last one leaves out those found before.
+  /// number of rounds that update weights, gains and outliers = rounds; the last one excludes the outliers
+  /// found before.
   int rounds = 4;
   /// groups of arms for the deviations of the bodies <= groups (not measured).
   int groups = 64;

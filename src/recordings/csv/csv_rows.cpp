@@ -441,15 +441,14 @@ class CsvRows : public RowSource {
   std::vector<double> held_row_;
   std::vector<double> before_, second_before_;  // the last two rows with a time
   long timed_ = 0, repeated_ = 0;      // rows with a time; those that were dropped because they repeat the row before
-  long equal_ = 0, equal_run_ = 0;     // rows with the time of the previous row and other values: their number, and
-                                       // the length of the last run
+  long equal_ = 0, equal_run_ = 0;     // rows with the time of the previous row: all, and in the last run
   double time_ = kGap, step_ = 0.0;    // [s] time of the last row with one, and the step to it
   double first_time_ = kGap;
   double moved_on_ = 0.0;              // [s] added to times after a clock was set back
   double rescaled_ = 1.0;              // factor of the times after their unit has changed
   std::optional<long> counted_from_;   // number of the first row whose time is counted by --rate
   double counted_time_ = 0.0;          // [s] time of the row before it
-  std::optional<std::int64_t> first_date_;  // [ns]
+  std::optional<std::int64_t> first_date_;  // [ns] date of the first row that has one
   std::vector<std::string> remarks_;
 };
 

@@ -21,8 +21,7 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kDistinct = 20;  // rows for each distinct time, above which the times were rounded too
-                                       // coarsely
+constexpr std::size_t kDistinct = 20;  // rows per distinct time, above which the times were rounded too coarsely
 
 // Destination of a column: its stream and its field there, and its factor to SI; stream -1: the column is dropped.
 struct Place {

@@ -35,7 +35,7 @@ bool is_time_word(const std::string& word) {
   return kWords.count(word) > 0;
 }
 
-// Score of a column name as the name of a clock; 0: it is none.
+// Score that rates a column name as the name of a clock; 0: it is none.
 int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   const bool only_unit = words.size() == 1 && unit_in_nanoseconds(words[0]) != 0;

@@ -73,14 +73,14 @@ struct Head {
   std::vector<Channel> moving_loads() const;
 
   const Recording& rows;
-  double step = 0.0;        // [s] median
+  double step = 0.0;        // [s] median time step
   double shortest = 0.0;    // [s] 1 % quantile of the steps
   double longest = 0.0;     // [s] 99 % quantile of the steps
   std::vector<bool> moves;  // true for the joints that move
   std::vector<bool> stale;  // true for rows that equal the row before while the arm moves
 };
 
-/// Number of rows in QualityNumbers::window.
+/// Number of rows in a window of QualityNumbers::window [s].
 int window_rows(const Head& head);
 
 /// A number as text: four significant digits; shares as "12 %"; counts as "1 row", "2 rows".

@@ -65,8 +65,8 @@ class ClipTally : public Tally {
     std::vector<SaturatedInterval> stretches = {};
 
     void add(double value, double before, double time) {
-      const double two_steps = (1.0 + 1.0 / numbers.step_share) * tolerance;  // distance from the limit to the end
-                                                                              // of the next value
+      const double two_steps = (1.0 + 1.0 / numbers.step_share) * tolerance;  // from the limit to the end of the
+                                                                              // next value
       if (value > limit + tolerance) {
         const long rows_below = value < limit + two_steps ? rows : 0;
         *this = {channel, sign, tolerance, value};

@@ -12,8 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kTrianglesOfArm = 9000;  // largest number for all bodies: 150 kB of a page, and a picture that
-                                       // software can rotate smoothly
+constexpr int kTrianglesOfArm = 9000;  // largest number for all bodies: 150 kB, and the picture turns smoothly
 constexpr int kFinestGrid = 64;        // largest number of cells along a body's longest edge
 constexpr int kRoundSides = 24;        // number of sides of cylinders and spheres
 

@@ -35,7 +35,7 @@ std::string json_in_html(std::string_view json) {
   return replaced(json, '<', "\\u003c");
 }
 
-// The source with every {{name}} replaced by its text.
+// Replaces every {{name}} in the source by its text.
 std::string filled(std::string_view source, const std::vector<Part>& parts) {
   std::string out;
   std::size_t at = 0;

@@ -24,8 +24,7 @@ constexpr double kLongestStep = 1e-3;   // [s] longest step
 constexpr double kFrictionStep = 2e-5;  // [s] step near rest, where the sign of friction is steep
 constexpr double kClear = 2.0;          // ratio to the rest speed above which friction is smooth
 constexpr double kStableShare = 2.0;    // largest decay rate times step; Runge-Kutta is stable up to 2.78
-constexpr double kNoMass = 1e-10;       // [kg], [kg m^2] smallest mass and inertia that MuJoCo accepts for a moving
-                                        // body
+constexpr double kNoMass = 1e-10;       // [kg], [kg m^2] smallest that MuJoCo accepts for a moving body
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

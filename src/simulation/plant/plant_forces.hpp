@@ -48,7 +48,7 @@ class PlantForces {
   /// Sets the loads from the rigid torques (n). @returns the largest change of a load.
   double set_loads(const double* rigid_torques);
 
-  /// Directions of dry friction; entry k acts along axis(k).
+  /// Number of directions of dry friction; entry k acts along axis(k).
   int dry() const { return static_cast<int>(dry_.size()); }
   const double* axis(int k) const { return dry_[k].direction.data(); }
   double velocity(int k, const double* dq) const {

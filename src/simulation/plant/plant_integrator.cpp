@@ -23,7 +23,7 @@ void Plant::State::add_biases(Instant& at) {
   forces.add_smooth(at.time, at.q.data(), at.dq.data(), at.bias.data());
 }
 
-// False if the mass matrix is not positive definite.
+// Evaluates the terms of an instant; false if the mass matrix is not positive definite.
 bool Plant::State::evaluate(Instant& at) {
   rigid.equation_of_motion(at.q, at.dq, at.M, at.h);
   add_biases(at);
