@@ -11,8 +11,8 @@
 
 namespace veridyn {
 
-/// All numbers that can change the report or the model of `identify`, outside of the feasible
-/// solver, each with its inequality, and with its reason where one is known.
+/// All numbers that can change the report or the model of `identify`, outside of the feasible solver. Each
+/// comment gives the condition, then its consequence, and the reason where one is known.
 struct IdentificationNumbers {
   // Motion of joints.
   /// travel of a joint < still_revolute [rad], still_prismatic [m]: it never moves, and the arm is not

@@ -1,7 +1,7 @@
 #pragma once
 
-/// All numbers that can change the findings of `check` on a recording and a robot, each with its
-/// inequality, and with its reason where one is known.
+/// All numbers that can change the findings of `check` on a recording and a robot. Each comment gives the
+/// condition, then its consequence, and the reason where one is known.
 namespace veridyn::checking {
 
 /// rows > kMostRows: the rest is not read; 25 s at 200 Hz are sufficient.
@@ -32,7 +32,8 @@ constexpr double kSmallestShare = 1e-5;
 constexpr double kFrictionShare = 0.03;
 /// that ratio > kFrictionAboveRest * sqrt(unexplained share), since the unexplained part may itself do work.
 constexpr double kFrictionAboveRest = 0.3;
-/// relative increase of the rms misfit without friction > kFrictionSignificance: in the first seconds of a
+/// power lost to friction / (rms torque * rms speed) > kFrictionAboveRest * sqrt(unexplained share), since the
+/// unexplained part may itself do work.
 /// motion other parameters may absorb friction. Recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionSignificance = 0.25;
 /// A joint with negative friction adds kNegativeFrictionCost > kMisfitDecrease to the misfit.
@@ -111,8 +112,8 @@ constexpr double kSignCertain = 0.2;
 constexpr double kReachesZero = 0.01;
 /// number of hypotheses that are extended in each round <= kBeam.
 constexpr int kBeam = 3;
-/// remaining error with a hypothesis < kFitted * that without it: required of hypotheses with fitted numbers
-/// or another arm as long as the arm does not fit, and of uncertain ones.
+/// remaining error with a hypothesis <= kFitted * that without it: required of uncertain hypotheses, and of
+/// those with fitted numbers or another arm, which reduce the error of any incomplete model a little.
 constexpr double kFitted = 0.5;
 /// Cost of a wrong sign of a position minus that of a torque = kPositionSignCost: an arm that is its own mirror
 /// image fits both equally well.

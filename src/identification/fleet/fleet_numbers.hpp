@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// All numbers that can change the result of `fleet`, each with its inequality, and with its reason where
-/// one is known.
+/// All numbers that can change the result of `fleet`. Each comment gives the condition, then its consequence,
+/// and the reason where one is known.
 struct FleetNumbers {
   /// number of arms that identify a quantity >= fewest, else none is compared: of two it is unknown which one
   /// is the outlier.
