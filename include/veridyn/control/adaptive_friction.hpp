@@ -21,8 +21,8 @@ struct AdaptiveFrictionOptions {
 ///
 /// where k* is the ratio of the arm's present friction to the identified friction F, s the position of the
 /// axis, and b + c s every other error of the model near this position, mainly gravity. Least squares over the
-/// last 1 / rate seconds of
-/// motion (exponential forgetting) estimate k*, b and c, and the compensated share k follows:
+/// last 1 / rate seconds of motion (exponential forgetting) estimate k*, b and c, and the compensated share k
+/// follows:
 ///
 ///   dk/dt = rate (clamp(estimate of k*, least, most) - k).
 ///

@@ -5,8 +5,7 @@
 namespace veridyn {
 
 /// Gains of tau = p e + i (integral of e) + d de/dt for each joint, with e the wanted minus the measured
-/// position,
-/// (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is prismatic.
+/// position, (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is prismatic.
 struct PidGains {
   VectorXd p, i, d;
 };

@@ -113,10 +113,9 @@ struct SafetyEvent {
 };
 
 /// Checks the signals between controller and motors in every cycle. On a fault it takes over within the same
-/// cycle with the
-/// action defined for the fault, and reports the reason. Checks continue during a fault: a later fault with a
-/// stronger action takes over. Nothing allocates or throws after the constructor; the reason is an enum with
-/// fixed texts.
+/// cycle with the action defined for the fault, and reports the reason. Checks continue during a fault: a later
+/// fault with a stronger action takes over. Nothing allocates or throws after the constructor; the reason is an
+/// enum with fixed texts.
 ///
 ///   safety.enable(); ... safety.activate();
 ///   tau = safety.update(state, input, tau);

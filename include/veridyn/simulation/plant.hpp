@@ -32,11 +32,10 @@ struct PlantOptions {
 /// Dry friction (Coulomb, Stribeck, asymmetric, load- and position-dependent, ...) is set-valued:
 /// at rest it takes any value up to its level, so that a joint at rest stays at rest, and a sliding
 /// joint reverses exactly where its velocity is zero (the substep ends there). The sticking and the
-/// sliding axes follow from Gauss' principle of
-/// least constraint with bounds on the friction forces, unique in the accelerations for any number
-/// of coupled axes. Below kRestSpeed the regularised sign of the effects is *not* used; above it
-/// the forces are those of the effects. Friction with memory follows the true path: substeps end
-/// where its axis reverses.
+/// sliding axes follow from Gauss' principle of least constraint with bounds on the friction forces, unique in
+/// the accelerations for any number of coupled axes. Below kRestSpeed the regularised sign of the effects is
+/// *not* used; above it the forces are those of the effects. Friction with memory follows the true path:
+/// substeps end where its axis reverses.
 ///
 /// Effects that describe measured motion only (transmission_compliance) are not supported, see
 /// left_out().
