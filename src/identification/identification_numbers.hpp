@@ -52,7 +52,7 @@ struct IdentificationNumbers {
   /// blocks of all recordings together <= blocks_of_all, one at least of each: 10 recordings keep 16 each,
   /// 16 recordings eight, 100 one.
   int blocks_of_all = 160;
-  /// duration of a block >= first_block [s]; doubled whenever there are too many.
+  /// duration of a block >= first_block [s]; it is doubled whenever there are too many blocks.
   double first_block = 1.0;
   /// time at the beginning in which a period is sought <= period_time [s].
   double period_time = 125.0;

@@ -22,8 +22,8 @@ struct OpenedRows {
 /// recordings many times creates one and passes it on in PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
-  static constexpr long kManyQuestions = 400L << 20;  ///< largest text that is kept for a diagnosis
-  static constexpr long kFewPasses = 10L << 20;       ///< largest size of the text for a few passes over each file
+  static constexpr long kManyQuestions = 400L << 20;  ///< [bytes] largest text that is kept for a diagnosis
+  static constexpr long kFewPasses = 10L << 20;       ///< [bytes] largest text for a few passes over each file
 
   explicit KeptRecordings(long most_bytes = kManyQuestions);
   ~KeptRecordings();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kPiece = 4096;
 constexpr double kOverhead = 8.0;    // memory of a held sample in addition to its values, in doubles
-// Clocks of recordings count nanoseconds in 64 bits: no period is outside.
+// Shortest and longest sampling period: clocks of recordings count nanoseconds in 64 bits.
 constexpr double kShortestPeriod = 1e-9;  // [s]
 constexpr double kLongestPeriod = 9.2e9;
 constexpr double kGapInSteps = 2.5;  // shorter distances are no gaps, so that one lost row is always interpolated

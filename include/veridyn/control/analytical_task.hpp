@@ -46,7 +46,7 @@ class AnalyticalTask {
   const MatrixXd& jacobian_rate() const { return dJ_; }  ///< dJ_a/dt, (6 x n)
   const Eigen::Matrix<double, 6, 6>& T_A() const { return T_A_; }
 
-  /// h_a of a wrench [force; moment] about the tip, written in the world.
+  /// Converts a wrench [force; moment] about the tip, written in the world, to h_a.
   Vector6d wrench(const Vector6d& h_world) const noexcept;
 
   /// x_d - x with angles wrapped to +-pi.

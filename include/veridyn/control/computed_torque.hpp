@@ -5,8 +5,8 @@
 
 namespace veridyn {
 
-/// Reference positions, velocities and accelerations of the joints, (n) each [rad], [rad/s], [rad/s^2] or [m],
-/// ...
+/// Reference of the joints, (n) each: positions [rad], velocities [rad/s] and accelerations [rad/s^2]; metres
+/// where a joint is prismatic.
 struct JointReference {
   explicit JointReference(int joints) : q(VectorXd::Zero(joints)), dq(q), ddq(q) {}
   VectorXd q, dq, ddq;

@@ -95,12 +95,12 @@ class ControlCycle {
 
   /// Sets the torque of the law (n) [N m], [N].
   void command(const VectorXd& tau) noexcept { tau_ = tau; }
-  /// Positions (n) with which the supervisor compares the measured ones in this cycle.
+  /// Sets the positions (n) with which the supervisor compares the measured ones in this cycle.
   void track(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
   /// Adds FrictionCompensation::update() with these arguments to the command.
   void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
-  /// @param y  (n) acceleration that the torque would cause if the model were exact. A cycle without this
-  /// call clears the observer.
+  /// Adds the torque of ModelErrorObserver to the command; without this call the cycle clears the observer.
+  /// @param y  (n) acceleration that the torque would cause if the model were exact.
   void add_model_error(const VectorXd& y) noexcept;
   /// Replaces the command of this cycle by gravity compensation and a little damping, so that the arm yields.
   /// Clears the observer.

@@ -64,7 +64,7 @@ class ObjectImpedance {
   /// Sets the initial estimate.
   void reset(const ObjectMotion& motion) noexcept { now_ = motion; }
 
-  /// @param force, moment  exerted by the environment on the object, as far as known [N, N m].
+  /// Computes the hands' targets. @param force, moment  of the environment on the object, if known [N, N m].
   const std::vector<TipTarget>& update(const ObjectMotion& now, const ObjectMotion& wanted,
                                        const Eigen::Vector3d& force,
                                        const Eigen::Vector3d& moment) noexcept;

@@ -38,8 +38,7 @@ struct DhRow {
   double theta = 0.0;  ///< [rad]
 };
 
-/// The ten inertial parameters of one body, linear in the torques. **This is where their order is
-/// written down:**
+/// The ten inertial parameters of one body, in which torques are linear. **Their order is defined here:**
 ///
 ///   phi = [m, hx, hy, hz, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz]
 ///
@@ -221,7 +220,7 @@ class Model {
 /// Sets the constant parts A and B of a frame from its DH row.
 void place(Frame& frame, const DhRow& dh);
 
-/// "N m" or "N", the unit of the coordinate's effort; then "rad" or "m".
+/// The units of a coordinate's effort, "N m" or "N", and of its position, "rad" or "m".
 std::string effort_unit(const Coordinate& coordinate);
 std::string position_unit(const Coordinate& coordinate);
 

@@ -39,7 +39,7 @@ struct SignalChoice {
   std::vector<WantedJoint> joints;
   /// Joints that are held, by number; if a recording contains them, they are ignored.
   std::vector<HeldJoint> held = {};
-  /// Keep rows that are clearly wrong: dropouts, wrapped angles, bursts.
+  /// True: rows that are clearly wrong are kept (dropouts, wrapped angles, bursts).
   bool as_recorded = false;
 };
 

@@ -30,10 +30,10 @@ constexpr double kExact = 1.5e-2;
 constexpr double kSmallestShare = 1e-5;
 /// power lost to friction / (rms torque * rms speed) > kFrictionShare: the sign of the friction is significant.
 constexpr double kFrictionShare = 0.03;
-/// that ratio > kFrictionAboveRest * sqrt(unexplained share), since the unexplained part may itself do work.
+/// power lost to friction / (rms torque * rms speed) > kFrictionAboveRest * sqrt(unexplained share), since that
+/// part may do work.
 constexpr double kFrictionAboveRest = 0.3;
-/// power lost to friction / (rms torque * rms speed) > kFrictionAboveRest * sqrt(unexplained share), since the
-/// unexplained part may itself do work.
+/// relative increase of the rms misfit without friction > kFrictionSignificance: in the first seconds of a
 /// motion other parameters may absorb friction. Recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionSignificance = 0.25;
 /// A joint with negative friction adds kNegativeFrictionCost > kMisfitDecrease to the misfit.

@@ -79,8 +79,8 @@ RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<s
   return q;
 }
 
-// The positions of all joints, or of the joint with this index (from 0) and name, were measured on the motor
-// side of a gear.
+// The hypothesis that positions of all joints, or of the joint with this index (from 0) and name, were measured
+// on the motor side of a gear.
 RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
@@ -93,7 +93,7 @@ RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, c
                   });
 }
 
-// The joint (from 0) has this angle where the robot file has zero.
+// The hypothesis that the joint (from 0) has this angle where the robot file has zero.
 RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
   const std::string words = fmt::format("{:.4g}", zero);
   return numbered({"encoder_zero", joint + 1, 0, text("The position of ", name, " is counted from another zero, which lies at ", words, " rad"), text("q", joint + 1, "=rad@", words)},
@@ -102,8 +102,8 @@ RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
                   });
 }
 
-// The torques of all joints, or of the joint with this index (from 0) and name, were measured `late` seconds
-// after the motion, and `later` seconds at the end of a recording of this length.
+// The hypothesis that torques of all joints, or of the joint with this index (from 0) and name, were measured
+// `late` seconds after the motion, and `later` seconds at the end of a recording of this length.
 RecordingQuestion torques_late(double late, double later, double length, int joint = -1, const std::string& name = "") {
   const auto when = [](double by) { return fmt::format("{:.0f} ms {} the motion", 1e3 * std::abs(by), by < 0.0 ? "before" : "after"); };
   const bool drifts = late != later;
@@ -135,7 +135,7 @@ RecordingQuestion torques_late(double late, double later, double length, int joi
   return q;
 }
 
-// Torques that passed an exponential filter, y += (1 - a) (x - y), with this time constant [s].
+// The hypothesis that torques passed a filter y += (1 - a) (x - y) with this time constant [s].
 RecordingQuestion torques_filtered(double constant) {
   RecordingQuestion q{"torque_filter", 0, 0, fmt::format("The torques passed a low-pass of about {:.2g} Hz", 0.5 / (M_PI * constant))};
   q.other = "recording them without it";
@@ -239,8 +239,8 @@ class List {
     if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
 
-  // Positions and velocities of all joints in another unit. Velocities are derived again if the file has none
-  // in the new unit.
+  //   Adds the hypothesis that positions and velocities of all joints are in another unit. Velocities are
+  //   derived again if the file has none in the new unit.
   void in_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
     if (!dq.empty() && !has_velocity()) return;
     const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
@@ -254,8 +254,8 @@ class List {
 
   bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
 
-  // Positions and velocities in millimetres: "q=mm,dq=mm/s"; for an arm with revolute joints, each prismatic
-  // joint alone.
+  //   Adds millimetres as the unit of positions and velocities, "q=mm,dq=mm/s"; for an arm with revolute
+  //   joints, of each prismatic joint alone.
   void millimetres() {
     std::string units;
     for (int i = 0; i < joints(); ++i) {
@@ -298,7 +298,7 @@ class List {
     }
   }
 
-  // Gear ratios that bring the largest angle of one joint (from 0), or of all joints, into the range of an arm.
+  //   Adds gear ratios that bring the largest angle of one joint (from 0), or of all, into the range of an arm.
   void motor_side(double largest, int joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
@@ -320,7 +320,7 @@ class List {
       add("current", 0, "Efforts are motor currents", "tau=A");
   }
 
-  // Torques in another unit, by the factors that fit best: of one joint, and of all.
+  //   Adds other units of the torques, by the factors that fit best: of one joint, and of all.
   void factors(const QuickFit& fit) {
     const auto is_beyond = [](double factor, double bound) { return factor > bound || (factor > 0.0 && factor * bound < 1.0); };
     const auto is_far = [&](double factor) { return is_beyond(factor, checking::kTorqueFactor); };
@@ -399,7 +399,7 @@ class List {
     return checking::kBothDirections * static_cast<double>(std::min(high, low)) > static_cast<double>(high + low);
   }
 
-  // Columns of these signals in another order: the index of the column that holds each joint.
+  //   Adds another order of these signals' columns: `order` has the index of the column that holds each joint.
   RecordingQuestion& arranged(int joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
     RecordingQuestion& q = add("swapped_joints", joint, what, "");
     for (const std::string& signal : signals) {
@@ -410,8 +410,8 @@ class List {
     return q;
   }
 
-  // Two joints exchanged; all joints in the alphabetical order of their names, as ROS sorts them; all joints
-  // shifted by one.
+  //   Adds exchanges: of two joints; of all joints in the alphabetical order of their names, as ROS sorts them;
+  //   of all joints, shifted by one.
   void exchanges() {
     std::vector<int> own(static_cast<std::size_t>(joints()));
     std::iota(own.begin(), own.end(), 0);

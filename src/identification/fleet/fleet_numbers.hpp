@@ -44,7 +44,7 @@ constexpr FleetNumbers numbers;
 /// degrees of freedom = kEfficiency * (arms - 1): efficiency of the median deviation relative to the
 /// standard deviation (Rousseeuw and Croux, JASA 88(424), 1993).
 constexpr double kEfficiency = 0.37;
-/// spread of these decreases >= kLeastSpread, so that equal arms cause no division by zero.
+/// robust deviation of FittedArm::excess >= kLeastSpread, so that equal arms cause no division by zero.
 constexpr double kLeastSpread = 1e-6;
 /// bisection of the prior's degrees of freedom ends at a width < kWidth.
 constexpr double kWidth = 1e-3;

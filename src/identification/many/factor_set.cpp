@@ -56,7 +56,7 @@ namespace {
 
 const std::string kMagic = "veridyn factors\n";
 constexpr std::uint64_t kVersion = 1;
-constexpr double kSameArm = 1e-9;  // share of a fingerprint's entry
+constexpr double kSameArm = 1e-9;  // largest difference between fingerprints of one arm, relative to 1 + the entry
 
 // The bodies' regressor at one fixed state, joint by joint, and the known values: these differ between arms
 // with different lengths, axes or direction of gravity.

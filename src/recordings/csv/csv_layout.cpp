@@ -25,8 +25,8 @@ int signal_index(const std::string& name) {
   return -1;
 }
 
-// A column name such as `dq12`: base `dq` and number 12. The number is -1 without digits, and so is the signal
-// if the base is none.
+// A column name such as `dq12`: base `dq` and number 12. The number is -1 if there are no digits, and the
+// signal is -1 if the base is no signal.
 struct ColumnName {
   std::string base;
   int signal = -1;

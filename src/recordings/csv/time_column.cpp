@@ -112,7 +112,7 @@ std::int64_t time_unit(const SignalChoice& choice, std::int64_t named, const std
 std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
   const char* p = text.data();
   const char* const end = p + text.size();
-  // A number with some digits, followed by one of `signs`.
+  // Parses a number of `digits` digits that is followed by one of `signs`.
   const auto part = [&](int digits, const char* signs, std::int64_t* value) {
     const auto [rest, error] = std::from_chars(p, end, *value);
     if (error != std::errc() || rest - p != digits || *p == '-') return false;

@@ -1,4 +1,4 @@
-// Position steps that the neighbouring motion cannot explain.
+// Finds position steps that the neighbouring motion cannot explain.
 #include <algorithm>
 #include <cmath>
 

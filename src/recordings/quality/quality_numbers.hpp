@@ -71,7 +71,8 @@ struct QualityNumbers {
   /// Largest step that noise explains: the largest of smallest_jump [rad, m], jump_noise * a large second
   /// difference, and jump_range * range.
   double smallest_jump = 2e-3, jump_noise = 5.0, jump_range = 0.02;
-  /// step > that + jump_around * the neighbouring steps: a jump, which the motion does not explain.
+  /// step > this largest step + jump_around * the neighbouring steps: a jump, which the motion does not
+  /// explain.
   double jump_around = 4.0;
   /// number of jumps of several joints >= fewest_lost, a share > `onward` of them along the motion: rows were
   /// lost.
@@ -128,9 +129,9 @@ struct QualityNumbers {
   /// usual largest change > coarse * range and > two_kinds * the median change: a velocity jumps between
   /// levels, as those of an MTM and a PSM's wrist do; the ratio is 2.4 for Gaussian noise.
   double two_kinds = 3.5;
-  /// noise of a velocity >= noisier * that of the position's derivative, and
+  /// noise of a velocity >= noisier * that of the position's derivative, and >= no_noise * range: it is
+  /// reported.
   double noisier = 2.0;
-  /// noise >= no_noise * range of the velocity: the noise is reported.
   double no_noise = 1e-4;
 
   // Saturation.
@@ -164,7 +165,7 @@ constexpr int kPieceRows = 50000;
 constexpr int kContext = 6;
 /// |torque| or |current| < kNoLoad [N m, A] in every row: the load was not recorded.
 constexpr double kNoLoad = 1e-8;
-/// seconds that an identification does not cut < kLeastSeconds: a fault; kEnoughSeconds = what is advised.
+/// duration without an identification's cuts < kLeastSeconds [s]: a fault; kEnoughSeconds is the advised one.
 constexpr double kLeastSeconds = 1.0, kEnoughSeconds = 10.0;
 /// median time step >= kSlowClock [s] in a single motion: the times are in another unit.
 constexpr double kSlowClock = 0.5;

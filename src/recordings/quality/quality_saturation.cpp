@@ -1,5 +1,5 @@
-// Finds torques and currents at their limit: exactly (clipped numbers), or within noise (clipped amplifier);
-// and in coarse steps.
+// Finds torques and currents that stay at their limit, exactly (clipped numbers) or within noise (clipped
+// amplifier), and those that are quantised coarsely.
 #include <algorithm>
 #include <cmath>
 

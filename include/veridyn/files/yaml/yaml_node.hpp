@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-/// State of reading one file.
+/// Data that accumulate while one file is read.
 struct YamlSource {
   std::string file;
   Constants constants;                          ///< constants read so far
