@@ -239,8 +239,8 @@ class List {
     if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
 
-  //   Adds the hypothesis that positions and velocities of all joints are in another unit. Velocities are
-  //   derived again if the file has none in the new unit.
+  // Adds the hypothesis that positions and velocities of all joints are in another unit. Velocities are
+  // derived again if the file has none in the new unit.
   void in_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
     if (!dq.empty() && !has_velocity()) return;
     const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
@@ -254,8 +254,8 @@ class List {
 
   bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
 
-  //   Adds millimetres as the unit of positions and velocities, "q=mm,dq=mm/s"; for an arm with revolute
-  //   joints, of each prismatic joint alone.
+  // Adds millimetres as the unit of positions and velocities, "q=mm,dq=mm/s"; for an arm with revolute
+  // joints, of each prismatic joint alone.
   void millimetres() {
     std::string units;
     for (int i = 0; i < joints(); ++i) {
@@ -298,7 +298,7 @@ class List {
     }
   }
 
-  //   Adds gear ratios that bring the largest angle of one joint (from 0), or of all, into the range of an arm.
+  // Adds gear ratios that bring the largest angle of one joint (from 0), or of all, into the range of an arm.
   void motor_side(double largest, int joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
@@ -320,7 +320,7 @@ class List {
       add("current", 0, "Efforts are motor currents", "tau=A");
   }
 
-  //   Adds other units of the torques, by the factors that fit best: of one joint, and of all.
+  // Adds other units of the torques, by the factors that fit best: of one joint, and of all.
   void factors(const QuickFit& fit) {
     const auto is_beyond = [](double factor, double bound) { return factor > bound || (factor > 0.0 && factor * bound < 1.0); };
     const auto is_far = [&](double factor) { return is_beyond(factor, checking::kTorqueFactor); };
@@ -399,7 +399,7 @@ class List {
     return checking::kBothDirections * static_cast<double>(std::min(high, low)) > static_cast<double>(high + low);
   }
 
-  //   Adds another order of these signals' columns: `order` has the index of the column that holds each joint.
+  // Adds another order of these signals' columns: `order` has the index of the column that holds each joint.
   RecordingQuestion& arranged(int joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
     RecordingQuestion& q = add("swapped_joints", joint, what, "");
     for (const std::string& signal : signals) {
@@ -410,8 +410,8 @@ class List {
     return q;
   }
 
-  //   Adds exchanges: of two joints; of all joints in the alphabetical order of their names, as ROS sorts them;
-  //   of all joints, shifted by one.
+  // Adds exchanges: of two joints; of all joints in the alphabetical order of their names, as ROS sorts them;
+  // of all joints, shifted by one.
   void exchanges() {
     std::vector<int> own(static_cast<std::size_t>(joints()));
     std::iota(own.begin(), own.end(), 0);
