@@ -33,7 +33,7 @@ struct QualityNumbers {
   double irregular = 0.05;
   /// |mean rate * median step - 1| > misleading: the time cannot be replaced by a fixed sampling rate.
   double misleading = 0.01;
-  /// share of stale rows >= few_stale: they are reported; > many_stale: as a warning; > frozen: as a fault.
+  /// share of stale rows >= few_stale: reported; > many_stale: a warning; > frozen: a fault.
   double few_stale = 0.001, many_stale = 0.02, frozen = 0.5;
   /// share of missing values of a signal > few_gaps: the finding is a warning; > many_gaps: a fault.
   double few_gaps = 0.001, many_gaps = 0.5;
@@ -129,9 +129,9 @@ struct QualityNumbers {
   /// usual largest change > coarse * range and > two_kinds * the median change: a velocity jumps between
   /// levels, as those of an MTM and a PSM's wrist do; the ratio is 2.4 for Gaussian noise.
   double two_kinds = 3.5;
-  /// noise of a velocity >= noisier * that of the position's derivative, and >= no_noise * range: it is
-  /// reported.
+  /// noise of a velocity < noisier * that of the position's derivative: it is not reported.
   double noisier = 2.0;
+  /// noise of a velocity < no_noise * its range: it is not reported either.
   double no_noise = 1e-4;
 
   // Saturation.
