@@ -1,8 +1,8 @@
 #pragma once
 
-/// Header for controllers: reading an identified model, JointController and TipController, which are the whole
-/// loop, and their parts for other loops: correction of sensors, laws, observers, limits. Each class
-/// documents its equations and its units; docs/control.md gives an overview.
+/// Includes everything that a controller needs: reading of an identified model, JointController and
+/// TipController (complete control loops), and their components for custom loops: sensor correction, control
+/// laws, observers, limits. Each class documents its equations and units; docs/control.md gives an overview.
 ///
 /// All vectors have an entry for each joint: [rad], [rad/s], [N m], or [m], [m/s], [N] where the
 /// joint is prismatic. update() functions are noexcept and allocate nothing; their vectors must

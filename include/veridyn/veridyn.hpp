@@ -1,7 +1,7 @@
 #pragma once
 
-/// The whole of the library: from a robot and its recordings to a model that can be trusted, what it
-/// still gets wrong and why, and a controller made of it:
+/// Includes the whole library: from a robot and its recordings to an identified model, a diagnosis of what the
+/// model lacks, and a controller that uses it:
 ///
 ///   const Model robot = read_model("arm.urdf");
 ///   const Recordings train = read_recordings(robot, {"a.csv", "b.csv"}), test = read_recordings(robot, {"c.csv"});

@@ -5,8 +5,8 @@
 
 namespace veridyn::cli {
 
-// One per command, each in its own file `NAME_command.cpp`: adds the subcommand with its options
-// and a callback that runs the command and sets the outcome. A new command needs a line here, one in
+// Every command has one function, in its own file `NAME_command.cpp`, which adds the subcommand with its
+// options and a callback that runs the command and sets the outcome. A new command needs a line here, one in
 // main.cpp and one in CMakeLists.txt.
 
 void add_info_command(CLI::App& tool, Outcome& outcome);

@@ -9,8 +9,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kExcited = 0.2;  // share of the sum of F^2 that an offset and a slope do not explain
-constexpr double kNoFriction = 1e-9;  // [N m], [N]
+constexpr double kExcited = 0.2;  // smallest share of the sum of F^2 that remains after a fit of offset and slope
+constexpr double kNoFriction = 1e-9;  // [N m], [N] smaller friction counts as none
 constexpr double kNoPlace = 1e-9;  // relative variation of the position, below which no slope is determined
 
 }  // namespace
@@ -55,8 +55,8 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, doub
   for (int k = 0; k < friction.axes(); ++k) {
     const VectorXd& c = friction.axis(k);
     Learned& axis = axes_[k];
-    // Mean over the cycle to which `missing` belongs. With the value at its end, noise that exceeds the
-    // deadband would make the acceleration of the chosen cycles too large.
+    // Mean velocity over the cycle to which `missing` belongs. With the velocity at its end, cycles would be
+    // chosen in which noise lifts it above the deadband, and their acceleration would appear too large.
     const double v = 0.5 * (axis.speed + c.dot(arm.dq()));
     const double applied = axis.applied;
     axis.speed = c.dot(arm.dq());
@@ -65,7 +65,7 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, doub
         friction.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
     if (!(std::abs(v) > least_speed)) continue;
     const double force =
-        friction.sliding(k, v < 0.0 ? -1.0 : 1.0, v);  // has the sign of the direction
+        friction.sliding(k, v < 0.0 ? -1.0 : 1.0, v);  // its sign is that of the direction
     if (std::abs(force) < kNoFriction) continue;
     const double needed = c.dot(missing) / c.squaredNorm() + applied;
     adapt(axis, force, c.dot(arm.q()), needed, dt);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLeastCosine = 0.05;  // cosine of the pitch 3 degrees from the singularity of T
 
-// T^-1, damped where cos(pitch) is small.
+// The matrix T^-1, damped where cos(pitch) is small.
 Eigen::Matrix3d omega_to_angle_rates(const Eigen::Vector3d& angles) {
   const double c = std::cos(angles.y());
   const double over_c = c / std::pow(std::max(std::abs(c), kLeastCosine), 2);
@@ -110,7 +110,7 @@ void AnalyticalTask::update(const TipKinematics& tip) noexcept {
   const Eigen::Matrix3d inverse = omega_to_angle_rates(angles) * home_.transpose();
   const Eigen::Vector3d rates = inverse * tip.twist().tail<3>();
   dx_.tail<3>() = rates;
-  // d(T^-1 J)/dt = T^-1 (dJ - dT J_a)
+  // The rate of the Jacobian is d(T^-1 J)/dt = T^-1 (dJ - dT J_a).
   const Eigen::Matrix3d dT = home_ * angle_rates_to_omega_rate(angles, rates);
   for (Eigen::Index i = 0; i < J_.cols(); ++i) {
     const Eigen::Vector3d column = inverse * tip.jacobian().col(i).tail<3>();

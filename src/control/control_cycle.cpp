@@ -12,10 +12,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kGiveWayDamping = 5.0;  // [1/s]
+constexpr double kGiveWayDamping = 5.0;  // [1/s] rate of damping in give_way()
 
-// Cycles between two evaluations of TorqueUncertainty, whose cost grows with the model's covariance; the
-// motion hardly changes in between.
+// Number of cycles between two evaluations of TorqueUncertainty, whose cost grows with the model's covariance;
+// in between, the motion hardly changes.
 constexpr int kLimitEvery = 16;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -33,7 +33,7 @@ SafetyLimits limits_of(const Model& arm, const CycleOptions& options) {
   return safety_limits(arm, torque);
 }
 
-// A disabled observer has a valid bandwidth and a limit of zero.
+// Options of the observer. A disabled one has a valid bandwidth and a limit of zero.
 ModelErrorOptions observer_of(const Model& arm, const CycleOptions& options) {
   ModelErrorOptions out;
   out.limit = VectorXd::Zero(arm.joints());
@@ -147,7 +147,7 @@ const VectorXd& ControlCycle::send() noexcept {
     }
   }
   error_.sent(tau_, sent_);
-  // If the torque of the law was not sent, the arm did not have its acceleration.
+  // Joints whose torque was not sent as computed do not have the acceleration of the law.
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
     if (sent_[i] != tau_[i]) y_[i] = 0.0;
   }
@@ -185,7 +185,7 @@ void ControlCycle::reset_observers() noexcept {
   y_.setZero();
   until_limit_ = 0;
   if (!safety_ || off_) return;
-  safety_->disable();  // a fault persists
+  safety_->disable();  // this does not clear a fault
   safety_->enable();
   safety_->activate();
 }

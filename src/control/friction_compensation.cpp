@@ -11,7 +11,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kFadesBelow = 0.1;  // share of the energy tank below which compensation fades out
-constexpr double kFar = 1e3;         // [rad], [m] of displacement that shears every memory fully
+constexpr double kFar = 1e3;         // [rad], [m] displacement that shears every memory fully
 
 double pick(const Deadband& deadband, bool prismatic) {
   return prismatic ? deadband.prismatic : deadband.revolute;
@@ -132,8 +132,8 @@ double FrictionCompensation::velocity_force(const Axis& axis, double v, double v
   return sliding(axis, error < 0.0 ? -1.0 : 1.0, 0.0);
 }
 
-// Terms with memory by their state; other terms as if sliding at `speed` in the direction of `will`, scaled
-// by its magnitude (-1 to 1).
+// Force of the terms with memory by their state, plus that of the other terms as if sliding at `speed` in the
+// direction of `will`, scaled by its magnitude (-1 to 1).
 double FrictionCompensation::memory_force(Axis& axis, double will, double speed, double v) noexcept {
   const double direction = will < 0.0 ? -1.0 : 1.0;
   AxisSample x;
@@ -155,7 +155,7 @@ double FrictionCompensation::total_force(Axis& axis, double v, double v_wanted,
   if (options_.rule == FrictionRule::kMeasured)
     return memory_force(axis, std::clamp(v / axis.velocity_deadband, -1.0, 1.0), std::abs(v), v);
   if (options_.rule != FrictionRule::kPresliding) return velocity_force(axis, v, v_wanted, error);
-  // Full friction along a wanted motion; within the deadband at rest proportional to the error.
+  // Friction is full along a wanted motion, and proportional to the position error at rest within the deadband.
   const double will =
       std::clamp(v_wanted / axis.velocity_deadband + error / axis.position_deadband, -1.0, 1.0);
   return memory_force(axis, will, std::max(0.0, will < 0.0 ? -v_wanted : v_wanted), v);
@@ -172,7 +172,7 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   const double wanted = options_.share * axis.scale *
                         std::abs(sliding(axis, v_wanted < 0.0 ? -1.0 : 1.0, v_wanted) * v_wanted);
   axis.energy += wanted * dt - axis.force * (axis.s - axis.before);
-  // A NaN time empties the tank.
+  // A time that is NaN empties the tank.
   axis.energy = std::isnan(axis.energy) ? 0.0 : std::clamp(axis.energy, 0.0, axis.largest);
 }
 

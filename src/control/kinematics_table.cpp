@@ -15,15 +15,15 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSingular = 1e-9;  // relative to the largest singular value
+constexpr double kSingular = 1e-9;  // threshold relative to the largest singular value
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-constexpr Eigen::Index kMostJoints = 12;  // one prime number for each in Halton's sequence
+constexpr Eigen::Index kMostJoints = 12;  // Halton's sequence needs one prime number for each joint
 constexpr int kStarts = 60;
 // Poses are printed with six decimals. Arms with fewer than six joints cannot reach such a rounded pose
 // exactly.
 constexpr double kPrintedPosition = 2e-6;  // [m]
 constexpr double kPrintedAngle = 5e-6;     // [rad]
-constexpr double kOnLimit = 2e-6;          // [rad], [m] by which rounded joints may exceed a limit
+constexpr double kOnLimit = 2e-6;          // [rad], [m] rounded joints may exceed a limit by this
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -32,7 +32,7 @@ Conditioning conditioning(const MatrixXd& J) {
   const VectorXd s = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   Conditioning out;
   out.smallest = J.rows() <= J.cols() ? s.minCoeff() : 0.0;
-  // With fewer joints than rows, only the reachable directions count.
+  // With fewer joints than rows, only the directions that the joints can move are compared.
   const double least = s.minCoeff();
   out.condition = least > kSingular * s.maxCoeff() ? s.maxCoeff() / least
                                                    : std::numeric_limits<double>::infinity();
@@ -100,8 +100,8 @@ VectorXd spread(const MotionLimits& limits, int index) {
   return q;
 }
 
-// Tries Newton steps from the present joints, from the start, then from points of the whole ranges: steps may
-// end at joint limits, and at singularities between postures.
+// Tries Newton steps from the present joints, from the start, and from points spread over the ranges, since
+// steps may end at joint limits or at singularities between postures.
 bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const MotionLimits& limits,
            const VectorXd& start, VectorXd& q) {
   VectorXd trial = q;

@@ -14,7 +14,7 @@ namespace veridyn {
 /// columns and linear rows are divided by the arm's characteristic_length().
 struct Conditioning {
   double condition = 0.0;  ///< largest singular value divided by the smallest; infinite: singular
-  double smallest = 0.0;        ///< singular value
+  double smallest = 0.0;        ///< smallest singular value
   double manipulability = 0.0;  ///< product of the singular values (Yoshikawa 1985)
 };
 
@@ -24,9 +24,9 @@ struct KinematicRow {
   VectorXd q;                                             ///< (n)
   Eigen::Isometry3d T_world_tip = Eigen::Isometry3d::Identity();
   MatrixXd jacobian;                                      ///< (6 x n), linear rows first, world
-  Conditioning position, pose;                            ///< of the first three rows, of all six
-  std::string status = "reached";                         ///< of inverse kinematics
-  double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] remaining
+  Conditioning position, pose;                            ///< conditioning of the first three rows, and of all six
+  std::string status = "reached";                         ///< status of inverse kinematics
+  double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] remaining errors
   std::vector<std::string> outside;  ///< joints outside the robot file's limits
 };
 
@@ -44,7 +44,7 @@ struct KinematicTable {
   std::string report() const;
 };
 
-/// Poses, Jacobians and conditioning of given joints, (rows x n).
+/// Computes poses, Jacobians and conditioning of given joint positions, (rows x n).
 /// @throws InvalidInput  no such frame, rows of another size, numbers that are not finite.
 KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
                                   const MatrixXd& joints);
@@ -59,16 +59,16 @@ struct InverseTask {
   VectorXd start;               ///< (n); empty: the middle of the joints' ranges
 };
 
-/// Joints for given poses, each starting from the previous solution; by Newton steps on any arm, or by a
-/// solver of the caller, such as a closed form.
-/// @throws InvalidInput  as above.
+/// Computes joints for given poses, each from the previous solution, by Newton steps on any arm or by a solver
+/// of the caller, such as a closed form.
+/// @throws InvalidInput  as forward_kinematics().
 KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
                                   const InverseTask& task, const InverseSolver& solver = {});
 
 /// `count` postures spread evenly over the joints' ranges (Halton's sequence).
 KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count);
 
-/// Columns: t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, optionally the
+/// Columns of the CSV: t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, optionally the
 /// Jacobian's 6 n entries J11.. row by row; after inverse kinematics also status and errors.
 enum class JacobianColumns { kWithout, kWith };
 void write_kinematic_rows(const KinematicTable& table, const std::string& path,

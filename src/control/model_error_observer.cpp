@@ -59,7 +59,7 @@ const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& 
   assert(y.size() == d_.size() && arm.joints() == d_.size());
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !y.allFinite() || !(dt >= 0.0) ||
       !std::isfinite(dt)) {
-    first_ = true;  // d is kept; the change of velocity across the gap is not used
+    first_ = true;  // d is kept, but no change of velocity is computed across the gap
     return d_;
   }
   if (!first_) {

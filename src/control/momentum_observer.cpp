@@ -95,7 +95,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
     return r_;
   }
   dynamics_.lagrangian_gradient(arm.q(), arm.dq(), gradient_);
-  // Effects contribute to the bias the part of it that is not C dq + g.
+  // The bias contains the torques of effects in addition to C dq + g.
   sum_ += dt * (tau_motor - friction - (arm.bias() - arm.rigid_bias()) + gradient_ - r_);
   r_ = options_.bandwidth * (sum_ - p_ + p_start_);
   inverse_.update(arm.tip().jacobian());

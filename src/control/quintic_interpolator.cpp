@@ -52,7 +52,7 @@ bool QuinticInterpolator::stop(double duration) noexcept {
 void QuinticInterpolator::advance(double dt) noexcept {
   if (!(dt >= 0.0) || arrived()) return;
   time_ += dt;
-  // The duration ends in the cycle whose times sum up to it, except for rounding.
+  // The motion ends in the cycle in which the sum of the time steps reaches the duration, except for rounding.
   if (time_ >= duration_ * (1.0 - 1e-9)) {
     time_ = duration_;
     x_ = goal_;
@@ -71,8 +71,8 @@ void QuinticInterpolator::advance(double dt) noexcept {
 
 double QuinticInterpolator::duration_for(double distance, double velocity,
                                          double acceleration) noexcept {
-  // The peak speed is 15/8 of the mean speed; the peak acceleration 10/sqrt(3) of distance per time
-  // squared.
+  // The peak speed of a quintic is 15/8 of its mean speed; the peak acceleration is 10/sqrt(3) times distance
+  // over squared time.
   const double way = std::abs(distance);
   return std::max(1.875 * way / velocity, std::sqrt(10.0 / std::sqrt(3.0) * way / acceleration));
 }

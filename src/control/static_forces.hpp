@@ -22,7 +22,7 @@ ControlPart control_part(const EffectTraits& traits);
 /// values.
 std::vector<BoundEffect> static_forces(const Model& arm);
 
-/// Adds their torques. @param rest  (n) zeros.
+/// Adds the torques of these effects. @param rest  (n) zeros.
 void add_forces(std::vector<BoundEffect>& forces, const VectorXd& q, const VectorXd& dq,
                 const VectorXd& rest, VectorXd& tau) noexcept;
 

@@ -49,7 +49,7 @@ TaskInverse::TaskInverse(const Model& arm, const Tip& tip, TaskRows rows,
 namespace {
 
 // Factors A - shift 1 = L L' with 1 / L_kk on the diagonal; the part above it is not changed. False if the
-// matrix is not positive definite, that is, if an eigenvalue of A is not above the shift.
+// matrix is not positive definite, that is, if some eigenvalue of A is not above the shift.
 template <int kRows>
 bool cholesky(const Eigen::Matrix<double, kRows, kRows>& A, double shift,
               Eigen::Matrix<double, 6, 6>& L) {
@@ -90,7 +90,7 @@ void TaskInverse::factor() noexcept {
 double TaskInverse::smallest_singular_value() const noexcept {
   Eigen::Matrix<double, 6, 6> square = Eigen::Matrix<double, 6, 6>::Zero();
   square.topLeftCorner(rows_, rows_).noalias() = J_.lazyProduct(J_.transpose());
-  // Unused rows of the task must not be the smallest ones.
+  // The diagonal of unused rows is set to the trace, so that they do not have the smallest singular value.
   for (int r = rows_; r < 6; ++r) square(r, r) = square.trace();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(square, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
@@ -108,7 +108,7 @@ void TaskInverse::update(const MatrixXd& J) noexcept {
     factor<6>();
 }
 
-// (J~ J~')^-1 a with the damping.
+// The product (J~ J~')^-1 a, with the damping.
 Vector6d TaskInverse::weigh(const Vector6d& a) const noexcept {
   Vector6d out = Vector6d::Zero();
   if (!near_singular_) {

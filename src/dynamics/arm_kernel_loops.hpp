@@ -29,8 +29,8 @@ struct ArmKernelLoops {
   static const Links& tree_of(const Links& tree) { return tree; }
   static const Links& tree_of(const InertialLinks& arm) { return arm.tree; }
 
-  // Flattened into one function each, as the batches below: otherwise the compiler keeps calls in the
-  // innermost loops (a third slower).
+  // Each algorithm is flattened into one function, as the batches below: otherwise the compiler keeps calls in
+  // the innermost loops, and the code is slower by a third.
   template <auto kAlgorithm, typename Result, typename Arm, typename... In>
   __attribute__((flatten)) static Result run(const Arm& arm, In... in) {
     return kAlgorithm(arm, lane(tree_of(arm), in)...);
@@ -164,7 +164,7 @@ struct ArmKernelLoops {
     });
   }
 
-  // The same recursions over dual numbers of packs, one direction at a time.
+  // Computes the gradient by the same recursions over dual numbers of packs, one direction at a time.
   __attribute__((flatten)) static void batch_gradient(const Links& tree, const BatchInput& in,
                                                       const ColumnsByJoint<const double>& weights,
                                                       double* out, void* memory) {

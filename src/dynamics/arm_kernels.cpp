@@ -7,8 +7,8 @@ namespace {
 
 ArmKernels widest_kernels() {
   const InstructionSet isa = widest_instruction_set();
-  // Each of these functions is itself compiled for its instruction set, so that the processor is checked
-  // before the call.
+  // The processor is checked before each of these functions is called, since they are themselves compiled for
+  // its instruction set.
   if (isa >= InstructionSet::kAvx512 && arm_kernels_avx512().lanes > 0) return arm_kernels_avx512();
   if (isa >= InstructionSet::kAvx2 && arm_kernels_avx2().lanes > 0) return arm_kernels_avx2();
   return arm_kernels_baseline();

@@ -19,7 +19,7 @@ struct BatchInput {
 template <typename Number>
 struct ColumnsByJoint {
   Number* const* Y;
-  /// First of body b's ten columns in joint i's matrix at b * n + i; -1: the joint does not move it.
+  /// Index of body b's first column in joint i's matrix at b * n + i; -1: the joint does not move the body.
   const int* first_column;
 };
 

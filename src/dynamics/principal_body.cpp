@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kRounding = 1e-9;  // relative to the largest principal moment
+constexpr double kRounding = 1e-9;  // threshold relative to the largest principal moment
 
 }  // namespace
 

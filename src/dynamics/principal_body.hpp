@@ -8,7 +8,7 @@ namespace veridyn {
 /// A body about its centre of mass, along its principal axes.
 struct PrincipalBody {
   Eigen::Vector3d com;
-  Eigen::Matrix3d axes;     ///< columns, right-handed
+  Eigen::Matrix3d axes;     ///< principal axes as columns, right-handed
   Eigen::Vector3d moments;  ///< [kg m^2] ascending
 
   /// True if the moments satisfy the triangle inequality, up to rounding.

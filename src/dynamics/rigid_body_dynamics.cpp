@@ -68,7 +68,7 @@ void RigidBodyDynamics::inverse_dynamics(const VectorRef& q, const VectorRef& dq
   wrenches_.clear();
   for (const FrameWrench& w : external) {
     const BodyPlace& place = tree_.frames[w.frame];
-    if (place.link < 0) continue;  // carried by the world
+    if (place.link < 0) continue;  // the body is fixed to the world
     const Posed& T = place.T_link_body;
     const Vec3d force = rotate(T.R, Vec3d{w.force.x(), w.force.y(), w.force.z()});
     const Vec3d moment = rotate(T.R, Vec3d{w.moment.x(), w.moment.y(), w.moment.z()});

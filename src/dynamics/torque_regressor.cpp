@@ -12,8 +12,8 @@
 namespace veridyn {
 namespace {
 
-// An odd number of cache lines, so that the columns of a block do not evict each other from the
-// cache.
+// Number of rows of a block: its columns are an odd number of cache lines, so that they do not evict each other
+// from the cache.
 constexpr int kBlockRows = 72;
 
 BatchInput input(const char* where, int joints, const MatrixRef& q, const MatrixRef& dq,

@@ -12,19 +12,18 @@ constexpr double kFree = 0.8;  // share of the half gap without contact
 
 }  // namespace
 
-/// Friction behind a gap: after a reversal the motor crosses the gap freely, then meets the
-/// friction again.
+/// Friction behind a gap: after a reversal the motor crosses the gap without this friction and then meets it
+/// again.
 ///
 ///   p <- clamp(p + step / (gap / 2), -1, 1)                     position in the gap (play operator)
-///   tau = level * sign(p) * max(0, |p| - free) / (1 - free)     free = 0.8: the teeth are compliant
+///   tau = level * sign(p) * max(0, |p| - free) / (1 - free)     free = 0.8, since the teeth are compliant
 ///
 /// The model is rate independent and passive: inside the gap it is a potential of p, at its ends
 /// friction. It differs from presliding_hysteresis by its dead zone. Limits: the friction behind
 /// the gap must exceed the gravity torque there; a load that presses the teeth to one side hides
-/// the gap. Impacts, and the lag of the link by half a gap (a second-order effect), are neglected.
-/// The position in the gap starts in the middle. Source: Nordin and Gutman, Automatica 38(10),
-/// 2002, for the
-/// play and its contact.
+/// the gap. Impacts, and the lag of the link by half a gap (a second-order effect), are neglected. At first p
+/// is zero, the middle of the gap. Source: Nordin and Gutman, Automatica 38(10), 2002, for the play and its
+/// contact.
 const Effect& backlash() {
   EffectTraits t;
   t.role = EffectRole::kFriction;

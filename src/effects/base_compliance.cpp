@@ -63,9 +63,9 @@ MatrixXd stacked_turns(const MatrixXd& of_joints, const MatrixXd& of_base) {
 ///
 ///   x = -compliance * tau_base(q, dq, ddq),       about x, about y [rad]
 ///
-/// and the arm feels gravity rotated by x and the base's acceleration. To first order, without the
-/// base's own inertia: valid below the resonance of arm and base. A simulation moves the base as
-/// two joints with springs.
+/// and the arm's gravity is rotated by x, while the base's acceleration acts on its links. This holds to first
+/// order and without the base's own inertia, that is, below the resonance of arm and base. A simulation moves
+/// the base as two joints with springs.
 class BaseCompliance final : public ArmEffect {
  public:
   std::string name() const override { return "base_compliance"; }
@@ -75,7 +75,8 @@ class BaseCompliance final : public ArmEffect {
             {"about_y", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest}};
   }
 
-  // On five real recordings of a PSM it was found in all of them, and increased the held-out error of three.
+  // In five real recordings of a PSM a diagnosis found this effect in all, and it increased the held-out error
+  // of three.
   bool imitates_others() const override { return true; }
 
   std::vector<MatrixXd> columns(const ChannelMotion& motion, std::optional<JointIndex> /*joint*/) const override {
@@ -87,7 +88,7 @@ class BaseCompliance final : public ArmEffect {
                    stacked_turns(motion.ddq, none), motion.phi, tau);
     std::vector<MatrixXd> out;
     for (int k = 0; k < 2; ++k) {
-      MatrixXd x = none;  // per unit of compliance
+      MatrixXd x = none;  // column per unit of compliance
       x.col(k) = -tau.col(n + k);
       const MatrixXd dx = differentiate(x, motion.dt), ddx = differentiate(dx, motion.dt);
       const double step = kSmallTurn / std::max(1e-9, x.cwiseAbs().maxCoeff());
@@ -104,7 +105,7 @@ class BaseCompliance final : public ArmEffect {
   void change(ModelDescription& arm, const std::vector<double>& values) const override {
     EffectTerm& own = term_of(arm);
     const std::vector<EffectParameter> all = parameters();
-    for (size_t k = 0; k < all.size(); ++k)  // no base is stiffer than rigid
+    for (size_t k = 0; k < all.size(); ++k)  // a compliance is not below zero
       own.values[all[k].name] = std::max(0.0, own.values[all[k].name] + values[k]);
   }
 

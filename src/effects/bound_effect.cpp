@@ -19,7 +19,7 @@ bool same_place(const EffectTerm& a, const EffectTerm& b) {
   return !a.from || same(*a.from, *b.from);
 }
 
-// ", distance 0.005" if the arm also has the effect on this axis with other constants; else empty.
+// The text ", distance 0.005" if the arm also has the effect on this axis with other constants; else empty.
 std::string constants_text(const Model& arm, const EffectTerm& term,
                            const std::vector<EffectShape>& shapes) {
   const auto given = [](const EffectTerm& of, const std::string& key) {
@@ -129,7 +129,7 @@ std::string BoundEffect::parameter_name(int p) const {
 
 namespace {
 
-// "joint 3", or "joint 2 + 0.5 joint 3".
+// The axis in words: "joint 3", or "joint 2 + 0.5 joint 3".
 std::string joints_text(const Axis& axis) {
   std::string out;
   for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {

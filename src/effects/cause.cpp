@@ -15,7 +15,7 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kDigits = 3;  // digits of a joint's number
+constexpr size_t kDigits = 3;  // largest number of digits of a joint's number
 
 template <typename... Visitors>
 struct Overloaded : Visitors... {
@@ -40,7 +40,7 @@ const char* frame_number_word(FrameNumber number) {
   return kFrameNumbers[static_cast<int>(number)];
 }
 
-// The rest of `word` after "elbow.", if it begins with it.
+// The part of `word` after "elbow." if it begins with this owner's name and a dot.
 std::optional<std::string> after(const std::string& owner, const std::string& word) {
   const std::string start = owner + ".";
   if (word.compare(0, start.size(), start) != 0) return std::nullopt;
@@ -57,7 +57,7 @@ FrameNumbers numbers_of(const Frame& frame) {
   return {0.0, 0.0, 0.0, 0.0, origin.p.x, origin.p.y, origin.p.z, rpy.x, rpy.y, rpy.z};
 }
 
-// Contribution of a row to the joint variable's offset.
+// Contribution of the DH row to the joint variable's offset.
 double offset_of(const Frame& frame, const DhRow& row) {
   if (frame.type == JointType::kFixed) return 0.0;
   return frame.type == JointType::kRevolute ? row.theta : row.d;

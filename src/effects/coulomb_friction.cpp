@@ -20,7 +20,7 @@ class CoulombFriction final : public AxisEffect, public WrittenInC {
   }
   std::vector<EffectShape> shapes() const override {
     EffectShape slope{"slope", "s/rad", "s/m", 0.0, 10.0, 1e4, true, false};
-    // Divided by the largest speed; for arms whose sign function is smooth.
+    // Slopes times the largest speed, for arms whose sign function is smooth.
     slope.grid = {50.0, 100.0, 200.0};
     return {slope};
   }

@@ -19,7 +19,7 @@ struct AxisEffectData {
   /// Text of Effect::phrase(), where each % is the next parameter, each # the next constant, and $ is "force"
   /// or "torque".
   const char* phrase;
-  /// A function in place of `phrase`, for texts of another form.
+  /// A function that replaces `phrase`, for texts of another form.
   std::string (*words)(const Effect& effect, const std::vector<double>& values, const ShapeValues& shape, JointType type) = nullptr;
   bool imitates_others = false;
 };
@@ -42,7 +42,7 @@ class DescribedEffect : public AxisEffect {
   AxisEffectData data_;
 };
 
-/// The same with its columns in C, where #0 and #1 stand for the values of its constants.
+/// A DescribedEffect with its columns in C, where #0 and #1 stand for the values of its constants.
 class DescribedEffectInC : public DescribedEffect, public WrittenInC {
  public:
   /// @param before  code before the columns, see c_before().

@@ -9,7 +9,7 @@ namespace veridyn {
 
 // Properties of effects that readers and writers of robot files need.
 
-/// Every effect that a robot file or a command may name. The verdict `none` is not among them.
+/// All effects that a robot file or a command may name.
 const std::vector<std::string>& effect_names();
 
 /// Keys of an effect in a robot file, except the names of its parameters.

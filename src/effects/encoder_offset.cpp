@@ -8,10 +8,10 @@ namespace {
 
 constexpr double kStep = 1e-5;  // [rad] or [m] step of the derivative by position
 
-/// Recorded = true + offset, of one joint's position: a wrong zero. All joints' torques depend on
-/// it:
+/// A joint's position is recorded with a wrong zero, recorded = true + offset. The torques of all joints depend
+/// on it, by those of the rigid bodies:
 ///
-///   d tau / d offset = - d tau / d q_joint        of the rigid bodies.
+///   d tau / d offset = - d tau / d q_joint
 class EncoderOffset final : public SensorError {
  public:
   std::string name() const override { return "encoder_offset"; }
@@ -22,7 +22,7 @@ class EncoderOffset final : public SensorError {
     EffectTraits t;
     t.role = EffectRole::kSensor;
     t.depends_on_position = true;
-    t.same_as_wrong_constant = true;  // the constant of this joint's zero in the robot file
+    t.same_as_wrong_constant = true;  // this joint's zero in the robot file has the same columns
     t.lasting = true;
     return t;
   }

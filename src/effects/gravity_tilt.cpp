@@ -43,7 +43,7 @@ class GravityTilt final : public ArmEffect {
     return out;
   }
   bool has_rigid_columns() const override { return true; }
-  // Any two directions perpendicular to gravity span the tilts.
+  // Rotations about any two directions perpendicular to gravity span the tilts.
   std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> /*joint*/) const override {
     const Eigen::Vector3d& g = arm.gravity();
     if (g.isZero(0.0)) return {};
@@ -81,7 +81,7 @@ class GravityTilt final : public ArmEffect {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
-    if (std::cos(values[0]) * std::cos(values[1]) < 0.0)  // a turn of more than a right angle is no tilt
+    if (std::cos(values[0]) * std::cos(values[1]) < 0.0)  // a rotation by more than a right angle is no tilt
       return "a base that is turned by " + digits(180.0 / kHalfTurn * values[0], 3) + " deg about x and " +
              digits(180.0 / kHalfTurn * values[1], 3) + " deg about y: gravity in the file points elsewhere";
     return "a base that leans by " + digits(1e3 * values[0], 3) + " mrad about x and " +

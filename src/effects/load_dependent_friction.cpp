@@ -12,10 +12,9 @@ namespace {
 ///
 ///   tau = coefficient * |load| * sign(ds)
 ///
-/// where the load is the torque of the rigid bodies along the axis. The sign is
-/// sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis.
-/// Friction without load is coulomb_friction. Source: Hamon, Gautier, Garrec and Janot, IROS 2010;
-/// the load is known only where the bodies have values.
+/// where the load is the torque of the rigid bodies along the axis, known only if the bodies have values. The
+/// sign is sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis.
+/// Friction without load is coulomb_friction. Source: Hamon, Gautier, Garrec and Janot, IROS 2010.
 class LoadDependentFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "load_dependent_friction"; }

@@ -45,8 +45,8 @@ const Effect& quadratic_drag() {
   return kEffect;
 }
 
-/// tau = offset: the zero of the torque measurement, or different friction in the two directions;
-/// one recording of motion cannot separate the two (seed errata on thesis 4.13).
+/// tau = offset: a wrong zero of the torque measurement, or different friction in the two directions; one
+/// recording of motion cannot separate the two (seed errata on thesis 4.13).
 const Effect& torque_offset() {
   EffectTraits t;
   t.affine = true;

@@ -16,7 +16,7 @@ std::string two_digits(double value) {
   return decimals(value, after_point);
 }
 
-// False where the unit starts with a power, which would apply to the prefix as well: no "ms^2".
+// False if the unit begins with a power, to which a prefix would apply as well: no "ms^2".
 bool accepts_prefix(const std::string& unit) {
   const std::string first = unit.substr(0, unit.find_first_of(" /"));
   return first == "N" || first == "rad" || first == "m" || first == "s";

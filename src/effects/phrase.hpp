@@ -19,7 +19,7 @@ std::string shape_text(const Effect& effect, const ShapeValues& shape, size_t i,
 /// quantity() of an effort [N m] or [N].
 std::string effort_text(double effort, JointType type);
 
-/// "torque" or "force".
+/// The word for an effort: "torque" or "force".
 std::string effort_word(JointType type);
 
 }  // namespace veridyn

@@ -49,10 +49,11 @@ class PositionDependentFriction final : public DescribedEffectInC {
 
 }  // namespace
 
-/// The motion is its sign. The level at the centre is coulomb_friction. The sign is sliding_direction(), or with `distance`
-/// in the file the contact memory of presliding_hysteresis, which is valid at rest too; use the
-/// distance found there. On an arm whose gravity torque varies with s it is confounded with
-/// load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint position".
+/// The friction for motion = sign(ds); the level at the centre is coulomb_friction. The sign is
+/// sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis, which is
+/// valid at rest too; use the distance found for that effect. On an arm whose gravity torque varies with s it
+/// is confounded with load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint
+/// position".
 const Effect& position_dependent_friction() {
   static const PositionDependentFriction kEffect({"position_dependent_friction", {{"slope", "N m/rad", "N/m"}, {"curvature", "N m/rad^2", "N/m^2"}},
       {centre(), {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}}, traits_of_friction(),
@@ -63,9 +64,9 @@ const Effect& position_dependent_friction() {
   return kEffect;
 }
 
-/// The motion is the velocity. The coefficient at the centre is viscous_friction. Bending hoses and harnesses cause it; the
-/// inertia's cross terms in dq_i dq_j have other columns and are not confounded with it while one
-/// joint moves alone.
+/// The friction for motion = ds, caused by bending hoses and harnesses; the coefficient at the centre is
+/// viscous_friction. The inertia's cross terms in dq_i dq_j have other columns and are not confounded with it
+/// while one joint moves alone.
 const Effect& position_dependent_viscosity() {
   static const DescribedEffectInC kEffect({"position_dependent_viscosity", {{"slope", "N m s/rad^2", "N s/m^2"}, {"curvature", "N m s/rad^3", "N s/m^3"}},
       {centre()}, traits_of_friction(),

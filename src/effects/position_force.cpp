@@ -9,7 +9,7 @@ namespace {
 constexpr int kFirstTerm = 2;
 constexpr int kTerms = 4;
 
-// T_k = 2 x T_(k-1) - T_(k-2).
+// Computes the terms by T_k = 2 x T_(k-1) - T_(k-2).
 void chebyshev_terms(double x, EffectColumns& row) noexcept {
   double before = 1.0;
   double now = x;

@@ -7,14 +7,12 @@ namespace veridyn {
 /// tau = level * z: friction with a memory z in [-1, 1] of the path since the last reversal, see
 /// advance_contact().
 ///
-/// After a reversal out of full sliding, z = 1 - 2 (1 - exp(-path / distance)) in the previous
-/// direction. Far beyond `distance` it is Coulomb friction; at rest it keeps its value. Several
-/// memories on one axis, each with its distance, are several terms. Noise of s draws z towards
-/// zero: smooth the position first.
+/// After a reversal out of full sliding, z = 1 - 2 (1 - exp(-path / distance)) in the previous direction. Far
+/// beyond `distance` it is Coulomb friction; at rest it keeps its value. Several memories on one axis, each
+/// with its distance, are several terms. Noise of s reduces |z|: smooth the position first.
 ///
-/// It is passive: from z it returns at most level * distance * (|z| - ln(1 + |z|)), less than was
-/// stored. Source: Dahl 1968, as in thesis 5.6 (z there), without the speed-dependent terms of its
-/// generalisations.
+/// It is passive: from z it returns at most level * distance * (|z| - ln(1 + |z|)), less than was stored.
+/// Source: Dahl 1968, as in thesis 5.6 (z there), without the speed-dependent terms of its generalisations.
 const Effect& presliding_hysteresis() {
   EffectTraits t;
   t.role = EffectRole::kFriction;

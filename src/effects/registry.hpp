@@ -3,8 +3,8 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 
-/// The effects of the library in the order of docs/contract.md, which is that of questions and tables. One line per
-/// effect: its function is defined in the file of its name, or in one_column.cpp or position_dependent.cpp.
+/// The effects of the library in the order of docs/contract.md, in which they are tested and listed. One line
+/// per effect: its function is defined in the file of its name, or in one_column.cpp or position_dependent.cpp.
 // clang-format off
 #define VERIDYN_EFFECTS(EFFECT) \
   EFFECT(rotor_inertia) \

@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kNodes = kTableNodes;
-// Node where the table is zero, because a constant is torque_offset.
+// Index of the node where the table is zero, since a constant is torque_offset.
 constexpr int kMiddle = kNodes / 2;
 
 using Signal = TableSignal;

@@ -15,7 +15,7 @@ class TimeDelay final : public TorqueChannel {
  public:
   std::string name() const override { return "time_delay"; }
   std::vector<EffectParameter> parameters() const override {
-    // [s] beyond it the first-order column no longer describes the delay.
+    // [s] The first-order column does not describe longer delays.
     constexpr double kLargest = 0.02;
     return {{"seconds", "s", "s", ParameterSign::kAny, kLargest, kLargest}};
   }

@@ -6,7 +6,7 @@
 namespace veridyn {
 namespace {
 
-/// The frame that the most joints move; among equals the last.
+/// The frame that the most joints move; if there are several, the last one.
 size_t tip_of(const Model& arm) {
   size_t tip = 0;
   int most = -1;

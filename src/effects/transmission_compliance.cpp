@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// Indices in the state; 1 is the previous sample, 2 the one before.
+// Indices into the state: 1 denotes the previous sample, 2 the one before it.
 enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
 
 }  // namespace
@@ -22,10 +22,9 @@ enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
 /// other side held; the motion must stay well below. Source: Spong, J. Dyn. Sys. Meas. Control
 /// 109(4), 1987, reduced to first order in 1/K.
 ///
-/// The second derivative is the divided difference of the last three samples, so it lags by one
-/// time step. It is zero for the first two. Valid for models of measured motion; fed back through
-/// the load in a forward simulation it is unstable, which would need the motor as a body of its
-/// own.
+/// The second derivative is the divided difference of the last three samples, so it lags by one time step; it
+/// is zero for the first two. The effect describes measured motion. In a forward simulation the feedback
+/// through the load is unstable; that would need the motor as a body of its own.
 const Effect& transmission_compliance() {
   EffectTraits t;
   t.uses_load = true;

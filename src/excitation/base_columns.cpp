@@ -15,9 +15,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kWorthwhile = 0.998;  // improvement of the condition number that a swap must give
+constexpr double kWorthwhile = 0.998;  // largest ratio of the condition numbers after and before a swap
 constexpr double kAlike = 0.2;         // share of a new column that the replaced one must explain
-constexpr double kNothing = 1e-9;      // share of the largest column, below which a column is zero
+constexpr double kNothing = 1e-9;      // a column below this share of the largest is zero
 constexpr int kMaxSwaps = 50;
 
 MatrixXd part_of(const MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& cols) {

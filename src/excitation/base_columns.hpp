@@ -9,8 +9,8 @@ namespace veridyn {
 
 /// A base parameter that hardly any motion separates from the others.
 struct WeakColumn {
-  int column;    ///< column of the bodies and effects
-  double share;  ///< remainder of the column, of norm one, after those before it
+  int column;    ///< index among the columns of bodies and effects
+  double share;  ///< remainder of the column, of norm one, after projection onto the columns before it
 };
 
 /// Essential parameters (Pham and Gautier, IEEE ICRA 1991): the base columns that remain if each must add
@@ -25,7 +25,7 @@ EssentialColumns essential_columns(const Model& arm, double share);
 /// Improves a choice of base columns by single swaps that decrease the condition number along the motion
 /// (columns of norm one).
 /// @param base  initial choice.
-/// @param gram  of all columns of the arm, along the motion.
+/// @param gram  Gram matrix of all columns of the arm, along the motion.
 std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd gram);
 
 /// Gram matrix of all columns of an arm, divided by the number of rows of the motion.

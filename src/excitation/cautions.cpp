@@ -18,7 +18,7 @@
 namespace veridyn {
 namespace {
 
-// Names of the coordinates for which the file gives no such limit.
+// Names of the coordinates for which `lacks` is true: the file does not give the limit.
 template <typename Lacks>
 std::vector<std::string> missing_data_cautions(const Model& arm, const Lacks& lacks) {
   std::vector<std::string> out;
@@ -52,7 +52,7 @@ bool has_friction_values(const Model& arm) {
 
 constexpr ExcitationNumbers kNumbers;
 
-// The larger end of a turning joint's range; 0 where the file gives none.
+// The larger end of a revolute joint's range [rad]; 0 if the file gives none.
 double most_turned(const Coordinate& c) {
   double most = 0.0;
   for (const double end : {c.limits.lower, c.limits.upper})
@@ -60,7 +60,7 @@ double most_turned(const Coordinate& c) {
   return most;
 }
 
-// Limits that are no radians on most arms, one sentence for ranges and one for speeds.
+// Warns of limits that are probably not in radians, in one sentence for ranges and one for speeds.
 std::vector<std::string> degrees_cautions(const Model& arm) {
   std::vector<std::string> ranges, speeds, out;
   for (const Coordinate& c : arm.coordinates()) {

@@ -11,7 +11,7 @@ namespace veridyn {
 /// frames.
 LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion);
 
-/// @throws InvalidInput  the ranges of all turning joints, two or more, look like degrees.
+/// @throws InvalidInput  the ranges of all revolute joints, two or more, are probably in degrees.
 void require_ranges_in_radians(const Model& arm, const std::string& robot);
 
 /// One sentence for each limit that was not checked and each assumption, with the option that checks or sets

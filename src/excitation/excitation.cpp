@@ -26,7 +26,7 @@ namespace {
 constexpr double kUsualShare = 0.01;  // share of essential parameters that is reported by default
 // Distance from a bound, relative to the limit's size, below which the limit is active.
 constexpr double kClose = 0.06;
-constexpr double kSmallestSize = 0.1;  // [m] size of a one-sided limit: that of its bound, but at least this
+constexpr double kSmallestSize = 0.1;  // [m] smallest size of a one-sided limit; else the size is its bound's
 constexpr int kRounds = 3;            // rounds of new base columns and descents
 
 void check(const ExcitationOptions& o) {
@@ -112,7 +112,7 @@ bool same_parameters(const Model& a, const Model& b) {
   return parameter_names(standard_parameters(a)) == parameter_names(standard_parameters(b));
 }
 
-// Function that is true for a motion within all limits.
+// A function that is true for a motion within all limits.
 std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& signals) {
   return [&signals](const MotionSamples& motion) {
     const std::vector<LimitMargin> margins = limit_margins(signals, motion);
@@ -121,7 +121,7 @@ std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& sign
   };
 }
 
-// Joints for slow passes: those of the two causes, each once; without causes all joints.
+// Joints that make slow passes: those of the two causes, each once; without causes all joints.
 std::vector<int> slow_joints(const Question& question, const Model& arm) {
   const std::set<int> asked(question.rival_joints.begin(), question.rival_joints.end());
   if (!asked.empty()) return {asked.begin(), asked.end()};
@@ -174,7 +174,6 @@ class Design {
   }
   std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
   // The best motion of one start, with suitable base columns; x is empty if no motion is within the limits.
-  // keeps the limits.
   struct Candidate {
     std::shared_ptr<const Asked> asked;
     VectorXd x{};
@@ -184,7 +183,7 @@ class Design {
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
   Candidate widened(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
-  // Only these criteria need every joint to use its range.
+  // True for the criteria that need every joint to use its range.
   bool uses_whole_range() const {
     return options_.solver != ExcitationSolver::kRandom &&
            (options_.criterion == ExcitationCriterion::kDOptimal || options_.criterion == ExcitationCriterion::kAOptimal);
@@ -207,7 +206,7 @@ class Design {
   MotionLimits limits_;
   MotionSpace space_;
   LimitSignals signals_;
-  mutable SearchProgress progress_;  // synchronises itself
+  mutable SearchProgress progress_;  // has its own lock
 };
 
 std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {

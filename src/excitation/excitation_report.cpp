@@ -27,8 +27,8 @@ const char* name_of(ColumnScaling scaling) {
 
 namespace {
 
-constexpr const char* kGap = "gap of ";  // limits between links
-constexpr size_t kNamedGaps = 5;         // largest number of them in the text
+constexpr const char* kGap = "gap of ";  // beginning of the name of a limit between links
+constexpr size_t kNamedGaps = 5;         // largest number of such limits in the text
 constexpr size_t kNamed = 5;  // largest number of entries in the text; the JSON has all
 
 std::string margin_line(const LimitMargin& m) {
@@ -80,7 +80,7 @@ std::string essential_text(const EssentialParameters& p) {
   return out + ".\n";
 }
 
-// A share of a limit in percent.
+// Text of a share in percent.
 std::string percent(double share) {
   return std::isfinite(share) ? fmt::format("{:.0f} %", 100.0 * share) : "-";
 }

@@ -14,7 +14,7 @@ VectorXd harmonic_numbers(Eigen::Index harmonics) {
   return VectorXd::LinSpaced(harmonics, 1.0, static_cast<double>(harmonics));
 }
 
-// At rest the sums are rounding errors, whose sign friction would follow.
+// Sets rounding errors of the sums at rest to zero, since friction would follow their sign.
 void zero_rounding(MatrixXd& signal) {
   const double rounding = 1e-12 * signal.cwiseAbs().maxCoeff();
   signal = (signal.array().abs() > rounding).select(signal, 0.0);

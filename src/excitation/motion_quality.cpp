@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNamedPart = 0.1;  // share of a direction of norm one
+constexpr double kNamedPart = 0.1;  // smallest named entry of a direction of norm one
 
 double range_condition_number(const MatrixXd& W) {
   const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();
@@ -20,7 +20,8 @@ double range_condition_number(const MatrixXd& W) {
   return plain_condition_number(scaled.transpose() * scaled);
 }
 
-// Eigenvector of the smallest eigenvalue of the Gram matrix, columns of norm one.
+// The eigenvector of the smallest eigenvalue of the Gram matrix, columns of norm one, with the names of its
+// largest entries.
 std::vector<std::pair<std::string, double>> weakest_direction(
     const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<StandardParameter>& names) {
   const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();

@@ -14,7 +14,7 @@ void evaluate_motion(const Model& arm, const BaseRegressor& chosen, const Motion
 EssentialParameters evaluate_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion);
 
-/// How well a motion separates two causes. @param gram  of the question's exact columns.
+/// Evaluates how well a motion separates two causes. @param gram  Gram matrix of the question's exact columns.
 Discrimination evaluate_discrimination(const Question& question, const MatrixXd& gram);
 
 }  // namespace veridyn

@@ -39,7 +39,7 @@ VectorXd rms_torque(const Model& arm, const MotionSamples& motion) {
       .transpose();
 }
 
-// Diagonal of the inverse, computed with scaled columns; infinite if a parameter is not identifiable.
+// The diagonal of the inverse, computed with scaled columns; infinite if a parameter is not identifiable.
 VectorXd variances(const MatrixXd& information) {
   const VectorXd d = information.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const Eigen::LLT<MatrixXd> llt(d.asDiagonal() * information * d.asDiagonal());
@@ -105,7 +105,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
           " positive deviations.");
   const BaseRegressor regressor(arm, base);
   const std::vector<StandardParameter> names = standard_parameters(arm);
-  VectorXd unknown = standard_values(arm);  // known values are not identified
+  VectorXd unknown = standard_values(arm);  // parameters with known values are not identified
   for (size_t k = 0; k < names.size(); ++k) {
     if (names[k].fixed) unknown[static_cast<Eigen::Index>(k)] = 0.0;
   }

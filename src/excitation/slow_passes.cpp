@@ -6,17 +6,17 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSlowest = 0.01;      // share of the largest speed
-constexpr double kFastest = 0.1;       // the same
+constexpr double kSlowest = 0.01;      // slowest pass, as a share of the largest speed
+constexpr double kFastest = 0.1;       // fastest pass, as a share of the largest speed
 constexpr double kWayOut = 3.0;        // [s] duration of the outward motion
-constexpr double kShortestWay = 0.3;   // [s] at a constant speed
-constexpr double kShortestRamp = 0.2;  // [s] from rest to the speed
+constexpr double kShortestWay = 0.3;   // [s] shortest motion at constant speed
+constexpr double kShortestRamp = 0.2;  // [s] shortest acceleration from rest
 constexpr double kRoom = 0.95;         // share of the available range that is used
 constexpr int kHalvings = 6;
-// Share of speed times duration by which a reversal overshoots.
+// Distance that a reversal overshoots, as a share of its speed times its duration.
 constexpr double kOvershoot = 0.3125;
 
-// The speed changes from one value to another along 3 u^2 - 2 u^3.
+// A part of a pass in which the speed changes between two values along 3 u^2 - 2 u^3.
 struct Part {
   double from, to, seconds;
 };
@@ -64,7 +64,7 @@ MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eige
   MotionSamples out{VectorXd::LinSpaced(last + 1, 0.0, static_cast<double>(last) / rate),
                     rest.transpose().replicate(last + 1, 1), still, still};
   for (Eigen::Index k = 0; k <= last; ++k) {
-    if (out.time[k] >= seconds) continue;  // at rest again
+    if (out.time[k] >= seconds) continue;  // the joint rests again
     const Point p = at(parts, out.time[k]);
     out.q(k, joint) += p.q;
     out.dq(k, joint) = p.dq;
@@ -73,7 +73,8 @@ MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eige
   return out;
 }
 
-// The pass at one speed with the displacement that fits into `room`, with its sign; empty if none fits.
+// The pass at one speed with the largest displacement that fits into `room`, which has the sign of the
+// direction; empty if none fits.
 std::vector<Part> fitted(double speed, double room, double acceleration) {
   const double way = kRoom * std::abs(room);
   // The largest acceleration of a ramp is 1.5 times its speed over its duration.

@@ -14,10 +14,10 @@ namespace veridyn {
 /// The speeds of a joint's passes are spaced logarithmically from 1 to 10 % of its largest one. An outward
 /// motion lasts 3 s, less if the range is too small.
 ///
-/// @param limits  of positions, speeds and accelerations.
+/// @param limits  limits of positions, speeds and accelerations.
 /// @param rest    (n) pose at the beginning and the end.
 /// @param joints  joints to move, from 0.
-/// @param passes  number of passes of each, each with a speed of its own.
+/// @param passes  number of passes of each joint, each at another speed.
 /// @param keeps   true if a motion is within all other limits; if not, the displacement is halved, and the
 /// pass is omitted if that is not sufficient.
 /// @returns samples at `rate` [Hz], time from zero; no rows if no pass is possible.

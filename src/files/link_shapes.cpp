@@ -37,7 +37,7 @@ Eigen::Isometry3d origin_of(const pugi::xml_node& shape) {
   return eigen(Posed{rotation_from_rpy(from_eigen(rpy)), from_eigen(three_numbers(origin.attribute("xyz"), {0, 0, 0}))});
 }
 
-// The file of a mesh, or nullopt.
+// The path of a mesh's file, or nullopt if there is none.
 std::optional<std::string> mesh_path(const std::string& name, const fs::path& urdf) {
   std::vector<fs::path> folders;
   std::error_code ignored;
@@ -55,7 +55,7 @@ std::optional<std::string> mesh_path(const std::string& name, const fs::path& ur
   const auto slash = rest.find('/');
   for (const fs::path& folder : folders) {
     if (fs::is_regular_file(folder / rest, ignored)) return (folder / rest).string();
-    // The folder of the package itself may have another name.
+    // A package's folder may have another name than the package.
     if (package_command && slash != std::string::npos && fs::is_regular_file(folder / rest.substr(slash + 1), ignored))
       return (folder / rest.substr(slash + 1)).string();
   }

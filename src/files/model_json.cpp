@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// True for keys whose values are text, even if they look like numbers or arithmetic.
+// True for keys whose values are text, even if they have the form of numbers or arithmetic.
 bool is_word(const std::string& key) {
   for (const char* const word : {"name", "parent", "effect", "frame", "source", "unit", "file",
                                  "date", "command", "sha256", "convention"}) {

@@ -23,7 +23,7 @@ int open_nameless(const std::string& path) {
   return ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
 }
 
-// Gives the file its name. A file of that name is replaced, by way of a temporary second name.
+// Gives the file its name. An existing file is replaced atomically, by way of a temporary second name.
 bool link_to_name(int descriptor, const std::string& aside, const std::string& path) {
   const std::string from = path_of(descriptor);
   const auto link_to = [&](const std::string& name) {

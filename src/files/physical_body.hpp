@@ -14,11 +14,11 @@ struct PhysicalBody {
       inertia;  ///< about the centre of mass [kg m^2]: xx, xy, yy, xz, yz, zz
 };
 
-/// Nullopt if the mass is zero.
+/// The physical parameters of phi; nullopt if the mass is zero.
 std::optional<PhysicalBody> physical_body(const InertialParameters& phi);
 
-/// The same, rounded to 15 digits for readable files; nullopt if phi does not follow from the rounded values,
-/// or if the mass or a moment is negative.
+/// The physical parameters rounded to 15 digits for readable files; nullopt if phi does not follow from the
+/// rounded values, or if the mass or a moment is negative.
 std::optional<PhysicalBody> rounded_physical_body(const InertialParameters& phi);
 
 }  // namespace veridyn

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kRoundedDigits = 0.01;  // relative; files print moments with three digits or so
+constexpr double kRoundedDigits = 0.01;  // relative tolerance; files print moments with about three digits
 
 bool moves_at_all(const Model& arm, int frame) {
   for (int i = 0; i < arm.joints(); ++i) {

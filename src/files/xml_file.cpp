@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDeepestElement = 500;  // bodies are nested once for each joint, and readers recurse once for each
 
-// "line:column" of a character.
+// The position of a character as "line:column".
 std::string place_in(const std::string& text, std::ptrdiff_t offset) {
   const auto end = text.begin() + std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(text.size()));
   const auto line = 1 + std::count(text.begin(), end, '\n');

@@ -11,7 +11,7 @@ namespace veridyn {
 
 /// A combination of standard parameters in words, its leading parameter first: "m_tool + 0.25 m_counterweight".
 ///
-/// @param row  (standard) coefficients. @param names  (standard) of the parameters.
+/// @param row  coefficients of the standard parameters. @param names  their names.
 inline std::string expression_of(const VectorRef& row, int leading, const std::vector<std::string>& names) {
   std::string out = names[leading];
   for (Eigen::Index j = 0; j < row.size(); ++j) {

@@ -9,7 +9,7 @@ namespace veridyn {
 
 /// The least-squares solution for the base parameters, computed from factors alone.
 struct BaseSolution {
-  VectorXd beta;       ///< (base)
+  VectorXd beta;       ///< (base) base parameters
   VectorXd white_std;  ///< (base) standard deviations for independent samples
   VectorXd std;        ///< (base) standard deviations by block jackknife over the blocks of all recordings
   /// F (base x clusters): the covariance of beta is F F', which gives std; (base x 0) for fewer than three
@@ -17,9 +17,9 @@ struct BaseSolution {
   MatrixXd scatter;
   int clusters = 0;                      ///< blocks of all recordings
   double residual2 = 0.0;                ///< weighted sum of squares
-  double condition_number = 0.0;         ///< of the unscaled columns
-  double condition_number_scaled = 0.0;  ///< of the columns scaled to norm one
-  double effective_samples = 0.0;        ///< rows times the median of (white_std / std)^2
+  double condition_number = 0.0;         ///< condition number of the unscaled columns
+  double condition_number_scaled = 0.0;  ///< condition number of the columns scaled to norm one
+  double effective_samples = 0.0;        ///< number of rows times the median of (white_std / std)^2
 };
 
 /// One factor per joint: all blocks of all recordings merged.

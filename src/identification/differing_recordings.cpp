@@ -35,7 +35,8 @@ class Comparison {
     for (const CompressedRecording& r : recordings) add(r);
   }
 
-  // True if a common fit to these recordings leaves far more of one of `some` than a fit to it alone; that one is `worst`.
+  // True if the common fit to `recordings` has a far larger error on one of `some` than a fit to that one
+  // alone; sets `worst`.
   bool differ(const std::vector<size_t>& recordings, const std::vector<size_t>& some) {
     Joints total;
     for (const size_t r : recordings) merge(total, all_[r]);
@@ -54,7 +55,7 @@ class Comparison {
     return most > 0.0;
   }
 
-  // Place in the list of the recording without which the others are fitted best.
+  // Index in `recordings` of the one without which the others are fitted best.
   size_t odd_one(const std::vector<size_t>& recordings) const {
     std::vector<SquareRootInformation> each;
     for (const size_t r : recordings) each.push_back(weighted_total(all_[r], weights_, columns_));
@@ -95,7 +96,8 @@ class Comparison {
       of_all += squares_of(half, beta);
       of_own += squares_of(half, solution_of(half));
     }
-    // Samples at four times the cut-off: two for each independent one. A recording with few is fitted by any parameters.
+    // The rows are sampled at four times the cut-off, so that two of them are one independent sample. With few
+    // samples any parameters fit.
     const double freedom = std::max(0.0, 1.0 - 2.0 * static_cast<double>(columns_.size()) / rows);
     own_.push_back(squares_of(all, beta) / freedom);
     within_.push_back((of_all.array() / of_own.array()).sqrt().max(1.0));
@@ -105,7 +107,8 @@ class Comparison {
   VectorXd weights_;
   std::vector<std::string> columns_;
   std::vector<Joints> all_;
-  std::vector<VectorXd> own_, within_;  // squares with a recording's own parameters; ratio of its halves' errors
+  std::vector<VectorXd> own_, within_;  // squared errors with a recording's own parameters; ratio of the errors on
+                                        // its halves, fitted together and apart
 };
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 namespace veridyn {
 
-/// A sentence on training recordings that differ from the others, as by another load, or empty. The error of the common
-/// parameters on a recording is compared with that of its own ones, as the error on a half of it is with that of the half's own.
+/// A sentence on training recordings that differ from the others, for example by another load; empty if none
+/// does. On a recording, the error of the common parameters is compared with that of the recording's own ones;
+/// this ratio is normal if it is near that between the recording and its halves.
 /// @param id  with factors and errors of the training recordings.
 std::string differing_recordings(const Model& arm, const Identification& id);
 

@@ -37,7 +37,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
                                                  const BaseParameters& data_base,
                                                  const VectorXd& scale) {
-  // Rows of K span the determined combinations; both in columns with the same scaling.
+  // Rows of K span the determined combinations; both K are for columns of the same scaling.
   const MatrixXd determined = (data_base.K * scale.asDiagonal()).transpose();
   const MatrixXd wanted = (arm_base.K * scale.asDiagonal()).transpose();
   std::vector<std::string> out;
@@ -70,8 +70,8 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   std::string open;
   int told = 0;
   for (const std::string& name : id.undetermined) {
-    // Sums of many parameters are skipped: they fill lines without information, and id.undetermined has them
-    // all.
+    // Sums of many parameters are skipped in this sentence: they make it long without information, and
+    // id.undetermined contains them all.
     if (told == 8 || name.find(' ') != std::string::npos) continue;
     open += (told++ == 0 ? "" : "; ") + name;
   }

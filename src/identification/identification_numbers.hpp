@@ -11,33 +11,34 @@
 
 namespace veridyn {
 
-/// All numbers that can change the report or the model of `identify`, outside of the feasible
-/// solver, each with its inequality, and with its reason where one is known.
+/// All numbers that can change the report or the model of `identify`, outside of the feasible solver. Each
+/// comment gives the condition, then its consequence, and the reason where one is known.
 struct IdentificationNumbers {
-  // Which joints move, and where.
+  // Motion of joints.
   /// travel of a joint < still_revolute [rad], still_prismatic [m]: it never moves, and the arm is not
   /// determined.
   double still_revolute = 2e-3, still_prismatic = 2e-4;
 
   // Velocities.
-  /// fall of ln(mean square) of a joint's torque > velocity_gain: its velocity is derived from the position;
-  /// 2 % of the error.
+  /// decrease of ln(mean squared error) of a joint's torque > velocity_gain: its velocity is derived from the
+  /// position; this is 2 % of the error.
   double velocity_gain = 0.04;
 
   // Verdicts on joints.
-  /// error <= far_above_floor * floor: at its floor. Beyond twice, more than three quarters of the squared
-  /// residual is no noise; floors from repeats include some variation from period to period.
+  /// error <= far_above_floor * floor: the joint is at its noise floor. Beyond twice, more than three quarters
+  /// of the squared residual is no noise; floors from repeats include some variation from period to period.
   double far_above_floor = 2.0;
-  /// error <= below_any_sensor, a share of the torque: at its floor; 1 % is better than torque sensors.
+  /// error <= below_any_sensor, a share of the torque: the joint is at its noise floor; 1 % is better than any
+  /// torque sensor.
   double below_any_sensor = 0.01;
-  /// share of the range and of the speed < hardly_moves: the joint is recorded again.
+  /// share of the range and of the speed < hardly_moves: the joint has to be recorded again.
   double hardly_moves = kHardlyMoves;
-  /// largest torque of each joint < no_torque [N m], [N]: no torque was recorded; no sensor shows as little,
-  /// and from 1e-16 on tolerances for rounding would count.
+  /// largest torque of each joint < no_torque [N m], [N]: no torque was recorded. No sensor resolves so little,
+  /// and tolerances for rounding matter from 1e-16 on.
   double no_torque = 1e-12;
   /// distance between samples > adjacent [s]: a gap, across which repeats are not compared.
   double adjacent = 0.05;
-  /// share of a recording's samples in gaps or beside them < few_in_gaps: not worth a line.
+  /// share of a recording's samples in gaps or beside them < few_in_gaps: not reported.
   double few_in_gaps = 1e-3;
 
   /// share of a test recording's rows that a training recording holds as well >= learned_rows: it is not held out. With
@@ -46,18 +47,19 @@ struct IdentificationNumbers {
 
   // Standard deviations.
   /// blocks of a recording <= most_blocks, phases of a period = phases: enough for a jackknife, and long
-  /// beside the correlation of the residuals.
+  /// compared with the correlation time of the residuals.
   int most_blocks = 16, phases = 8;
   /// blocks of all recordings together <= blocks_of_all, one at least of each: 10 recordings keep 16 each,
   /// 16 recordings eight, 100 one.
   int blocks_of_all = 160;
-  /// duration of a block >= first_block [s]; doubled whenever there are too many.
+  /// duration of a block >= first_block [s]; it is doubled whenever there are too many blocks.
   double first_block = 1.0;
   /// time at the beginning in which a period is sought <= period_time [s].
   double period_time = 125.0;
 
   // Rests.
-  /// |dq| <= still_turning [rad/s], still_sliding [m/s] for >= fewest_rows rows: a pose; fewer are a reversal.
+  /// |dq| <= still_turning [rad/s], still_sliding [m/s] for >= fewest_rows rows: the arm is at rest; fewer rows
+  /// are a reversal.
   double still_turning = 5e-3, still_sliding = 1e-3;
   int fewest_rows = 5;
   /// blocks of poses <= rest_blocks: the clusters of the standard deviations.
@@ -70,14 +72,14 @@ struct IdentificationNumbers {
   double identifiable = 0.25;
   /// t value of some joint >= heavier, else the recordings do not show the mass.
   double heavier = 4.0;
-  /// clusters >= fewest_clusters, else the same.
+  /// clusters >= fewest_clusters, else the recordings do not show the mass either.
   int fewest_clusters = 3;
   /// share of a joint's torque by the mass < unloaded: the mass does not act on it.
   double unloaded = 1e-6;
   /// recordings <= most_divisions: all divisions into loaded and free ones are tried.
   int most_divisions = 8;
-  /// share of a gain's column outside the span of the others < untied: rounding, and the gain is not tied
-  /// to the mass.
+  /// share of a gain's column outside the span of the others < untied: rounding; the mass does not determine
+  /// this gain.
   double untied = 1e-6;
 };
 
@@ -87,13 +89,14 @@ namespace identifying {
 constexpr IdentificationNumbers numbers;
 
 // Definitions.
-/// speed > kMovingShare * the joint's largest: a moving row, whose error docs/contract.md counts apart.
+/// speed > kMovingShare * the joint's largest: the row counts as moving; its error is reported separately
+/// (docs/contract.md).
 constexpr double kMovingShare = 0.02;
-constexpr double kHardlyTorque = 1e-4;    ///< [N m], [N] below what any arm's drives show
-constexpr std::size_t kShownAtEdge = 4;   ///< bodies and bounds at the edge in the text; the JSON has all
+constexpr double kHardlyTorque = 1e-4;    ///< [N m], [N] torque below what any arm's drives show
+constexpr std::size_t kShownAtEdge = 4;   ///< active bodies and bounds listed in the text; the JSON has all
 constexpr double kBand = 0.95;             ///< share of the poses within the printed band
 
-// Words.
+// Texts.
 constexpr double kOutside = 0.05;          ///< probability outside of a printed interval
 constexpr double kNormal95 = 1.96;         ///< half width of a normal 95 % interval, in standard deviations
 constexpr double kLoud = 0.05;             ///< floors above this share of the torque are called differences of repetitions, not noise
@@ -117,9 +120,11 @@ constexpr int kSeriesSamples = 15000;      ///< samples of the series for plots,
 constexpr int kFewestSamples = 100;        ///< samples of the series for plots that each recording keeps
 
 // Arithmetic.
-/// part of a base parameter outside the span of the data's > kOutsideSpan of it: beyond rounding; 1e-8 and 1e-2 do the same
+/// part of a base parameter outside the span of the data's > kOutsideSpan of it: more than rounding; 1e-8 and
+/// 1e-2 give the same results
 constexpr double kOutsideSpan = 1e-5;
-/// weight on a joint > kNoWeight [N m/kg]: beyond rounding; 1e-12 and 1e-6 do the same
+/// torque of a kilogram on a joint > kNoWeight [N m/kg]: more than rounding; 1e-12 and 1e-6 give the same
+/// results
 constexpr double kNoWeight = 1e-9;
 constexpr double kDependentColumn = 1e-9;  ///< smaller pivots: the column is a combination of others up to rounding
 constexpr double kBelowNyquist = 0.45;     ///< share of the sample rate below which positions of instruments are filtered
@@ -130,16 +135,17 @@ constexpr double kRunSeconds = 2.0;        ///< [s] duration of those steps
 constexpr int kStates = 200;               ///< random states at which columns of drive gains are compared
 constexpr int kIterations = 60;            ///< largest number of Levenberg-Marquardt steps of the drive gains
 constexpr double kConverged = 1e-12;       ///< relative fall of the cost at which that search ends
-constexpr double kFirstDamping = 1e-6;     ///< its damping at first
-constexpr double kLeastDamping = 1e-14;    ///< its smallest damping
-constexpr double kMostDamping = 1e6;       ///< its largest damping: no step succeeds
+constexpr double kFirstDamping = 1e-6;     ///< initial damping of that search
+constexpr double kLeastDamping = 1e-14;    ///< smallest damping of that search
+constexpr double kMostDamping = 1e6;       ///< largest damping of that search: no step succeeds
 constexpr double kDampingUp = 10.0;        ///< factor of the damping after a step that fails; its inverse after a success
-constexpr double kLeastNoise = 1e-9;       ///< smallest noise, as a share of a joint's currents: exact data divide by no zero
+constexpr double kLeastNoise = 1e-9;       ///< smallest noise, as a share of a joint's currents; no division by
+                                           ///< zero
 constexpr double kNoScale = 1e-9;          ///< gains below this share of the largest one count as zero
 // A solid ball stands in for moments of inertia that poses at rest cannot determine.
-constexpr double kBallMass = 1.0;          ///< [kg] its mass
-constexpr double kBallRadius = 0.1;        ///< [m] its radius
-constexpr double kSolidBall = 0.4;         ///< its moment of inertia over mass and squared radius
+constexpr double kBallMass = 1.0;          ///< [kg] mass of the ball
+constexpr double kBallRadius = 0.1;        ///< [m] radius of the ball
+constexpr double kSolidBall = 0.4;         ///< moment of inertia over mass and squared radius
 
 }  // namespace identifying
 }  // namespace veridyn

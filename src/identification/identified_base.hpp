@@ -6,7 +6,7 @@ namespace veridyn {
 
 /// The statistics of an identification for its model file; numbers are rounded to nine digits.
 ///
-/// @param solution  unconstrained. @param beta      (base) of the model's parameters.
+/// @param solution  unconstrained solution. @param beta  (base) values that follow from the model's parameters.
 IdentifiedBase identified_base(const BaseParameters& base,
                                const std::vector<StandardParameter>& parameters,
                                const BaseSolution& solution, const VectorRef& beta,

@@ -26,8 +26,8 @@ struct SmoothMotion {
   MatrixXd q, dq, ddq;
   std::vector<char> use;
 
-  // The mean over the same phase of all other periods. False, with the motion itself, if there is no other
-  // period.
+  // Computes the mean of the motion at the same phase of all other periods. Returns false, with the motion
+  // itself, if there is no other period.
   bool at(double t, Eigen::Ref<VectorXd> q_out, Eigen::Ref<VectorXd> dq_out, Eigen::Ref<VectorXd> ddq_out) const {
     q_out.setZero();
     dq_out.setZero();
@@ -228,8 +228,8 @@ VectorXd estimate(const CrossMoments& m, Method method, const VectorXd& scale) {
 // Moments of all recordings, for each block and in total.
 struct AllMoments {
   std::vector<JointColumns> joints;
-  std::vector<SquareRootInformation> totals;  // of the joints
-  VectorXd scale;                             // of the base parameters' columns
+  std::vector<SquareRootInformation> totals;  // factors of the joints
+  VectorXd scale;                             // scale of the base parameters' columns
   std::vector<CrossMoments> blocks;
   CrossMoments sum;
   double rows = 0.0;

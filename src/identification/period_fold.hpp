@@ -16,9 +16,8 @@ class PeriodFold {
   /// Adds row `row` of tau, at `time` [s]; times increase.
   void add(double time, const MatrixXd& tau, Eigen::Index row);
 
-  /// Per joint: standard deviation of one repeat over the root mean square of the torque, (joints);
-  /// empty where nothing repeats. The difference of two repeats has twice
-  /// the variance of one.
+  /// Noise floor (joints): standard deviation of one repeat over the root mean square of the torque; empty
+  /// where nothing repeats. The difference of two repeats has twice the variance of one.
   VectorXd relative_floor() const;
 
  private:

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kAhead = 2;  // segments
+constexpr size_t kAhead = 2;  // largest number of segments that are read ahead
 
 struct ReaderStopped {};  // thrown in the reading thread after the visitor has failed
 

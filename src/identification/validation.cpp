@@ -255,14 +255,14 @@ void remark_on_gaps(const std::vector<CompressedRecording>& recordings,
   }
 }
 
-// Sets what the test recordings cannot tell: those with rows that were learned from, and joints that rest in all of them.
+// Marks test recordings that share rows with training recordings, and joints that rest in all test recordings.
 void judge_tests(const std::vector<Coordinate>& joints, const std::vector<CompressedRecording>& held_out, Identification& id) {
   for (size_t t = 0; t < held_out.size(); ++t) {
     for (const CompressedRecording& r : id.factors) {
       const double share = share_of_rows(held_out[t].facts.row_hashes, r.facts.row_hashes);
       if (share < identifying::numbers.learned_rows) continue;
       id.test[t].learned_from = r.source;
-      // Files of fewer digits round some rows otherwise.
+      // A copy written with fewer digits has some rows that are rounded differently.
       const std::string part = share > 1.0 - identifying::numbers.learned_rows ? "its rows" : fmt::format("{:.0f} % of its rows", 100.0 * share);
       const std::string what = r.source == held_out[t].source ? "it is learned from, too" : part + " are rows of " + r.source + ", which is learned from";
       id.warnings.push_back(held_out[t].source + ": " + what + ": its error is not held out; test on another recording");

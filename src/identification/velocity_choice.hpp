@@ -15,7 +15,7 @@ namespace veridyn {
 /// ln(mean square) of each joint's error (n), over the fitted rows of the training recordings.
 VectorXd log_training_errors(const Identification& id);
 
-/// Decrease of these errors (n), the smaller one of that on the fitted rows and that on the rows as recorded:
+/// Decrease of log_training_errors() (n), on the fitted rows or on the rows as recorded, whichever is smaller:
 /// across late rows that are not repaired, the derivative of the position may be worse.
 VectorXd fall_of_errors(const Identification& before, const Identification& after);
 

@@ -10,10 +10,10 @@ namespace veridyn {
 namespace {
 
 struct Here;
-using Angles = Pack<2, Here>;        // the widest that every processor has
+using Angles = Pack<2, Here>;        // the widest vectors that every processor of the architecture has
 constexpr double kQuickAngle = 1e5;  // [rad]; the fast approximation loses digits beyond it
 
-// R A, of which a quarter turn about x is a swap of columns.
+// The product R A; if A is a quarter turn about x, columns are swapped.
 Mat3d turned(const Mat3d& R, const Link& link) {
   if (!link.quarter_turn) return R * link.A.R;
   const auto row = [&](const Vec3d& r) {
@@ -100,12 +100,12 @@ void PointMotion::update(const double* q, const double* dq) noexcept {
   update(q);
   const Links tree = tree_;
   v_ = omega_ = {0, 0, 0};
-  Vec3d from{0, 0, 0};  // the point whose velocity v_ is
+  Vec3d from{0, 0, 0};  // point to which the velocity v_ belongs
   const auto move_to = [&](const Vec3d& p) {
     v_ = v_ + cross(omega_, p - from);
     from = p;
   };
-  // First the point's velocity, then its remainder beyond each axis.
+  // Computes the point's velocity v_; in the second loop v_ - v is its velocity relative to a point on the axis.
   for (const Axis& axis : axes_) {
     const double ds = along_joint(tree, axis.link, dq);
     move_to(axis.p);

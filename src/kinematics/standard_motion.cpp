@@ -8,8 +8,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kDuration = 30.0;  // [s]
-constexpr double kRate = 100.0;     // [Hz]
+constexpr double kDuration = 30.0;  // [s] duration
+constexpr double kRate = 100.0;     // [Hz] sample rate
 
 }  // namespace
 

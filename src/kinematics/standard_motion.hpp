@@ -11,7 +11,7 @@ namespace veridyn {
 /// acceleration (limits of motion_limits()).
 MotionSamples standard_motion(const Model& arm);
 
-/// [Hz] of a joint's sine, joints counted from 0.
+/// Frequency [Hz] of a joint's sine; joints are counted from 0.
 double standard_frequency(int joint);
 
 }  // namespace veridyn

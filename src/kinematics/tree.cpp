@@ -29,8 +29,8 @@ std::vector<JointCoefficient> terms_of(const Axis& axis) {
   return terms;
 }
 
-// Makes right angles, and offsets along an axis, exact: cos(pi/2) is 6e-17 in doubles, by which generated
-// code would have to multiply.
+// Makes right angles, and offsets along an axis, exact: cos(pi/2) is 6e-17 in doubles, and generated code would
+// contain products with it.
 Posed snapped(Posed T) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   for (Vec3d* row : {&T.R.row0, &T.R.row1, &T.R.row2}) {
@@ -53,7 +53,7 @@ Tree::Tree(const Model& arm, Keep keep)
   const std::vector<char> needed =
       keep == Keep::kBodiesOnly ? needed_frames(arm) : std::vector<char>(all.size(), 1);
   link_of_frame.assign(all.size(), -1);
-  // Place of each frame on the last kept link at or above it.
+  // Each frame is placed on the last kept link at or above it.
   frames.assign(all.size(), {-1, true, identity_pose(), -1});
   for (int k = 0; k < static_cast<int>(all.size()); ++k) {
     const Frame& frame = all[k];

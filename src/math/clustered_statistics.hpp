@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// Statistics of estimates over clusters: `without` (k x g) holds the estimates that leave one of g
-/// clusters out. The jackknife,
+/// Statistics of estimates over clusters by the jackknife: `without` (k x g) holds the estimates that leave one
+/// of g clusters out, and their covariance is
 ///
 ///   C = (g - 1) / g * sum_c (x_c - mean x) (x_c - mean x)'
 ///
@@ -22,7 +22,7 @@ inline MatrixXd jackknife_factor(const MatrixXd& without) {
   return (without.colwise() - mean) * std::sqrt((g - 1.0) / g);
 }
 
-/// Standard deviations, (k).
+/// The standard deviations of the estimates, (k).
 inline VectorXd jackknife_deviations(const MatrixXd& without) {
   const auto g = static_cast<double>(without.cols());
   const MatrixXd centred = without.colwise() - without.rowwise().mean();

@@ -22,7 +22,7 @@ std::vector<std::vector<int>> correlated_columns(const MatrixXd& values, double 
     const VectorXd x = values.row(r).transpose() - mean;
     products += x * x.transpose();
   }
-  constexpr double kHardly = 1e-6;  // [rad] or [m] rms; smaller changes count as none
+  constexpr double kHardly = 1e-6;  // [rad] or [m] rms change below which a column counts as constant
   std::vector<char> taken(n, 0);
   std::vector<std::vector<int>> out;
   for (Eigen::Index i = 0; i < n; ++i) {

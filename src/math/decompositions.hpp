@@ -6,9 +6,9 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-// Eigen's decompositions of the sizes used here are compiled once, in decompositions_*.cpp. A file that sees
-// these declarations calls them instead of compiling its own copy, which costs 3 to 40 s each time.
-// The library's and the tests' precompiled headers hold this file; nothing depends on it for its meaning.
+// Eigen's decompositions of the sizes used here are compiled once, in decompositions_*.cpp. A file that
+// includes these declarations calls them and does not compile its own copy, which would cost 3 to 40 s each
+// time. The precompiled headers of the library and the tests include this file; results do not depend on it.
 namespace Eigen {
 
 extern template class BDCSVD<MatrixXd>;

@@ -6,7 +6,7 @@
 namespace veridyn {
 
 MatrixXd orthonormal_basis(const MatrixRef& columns) {
-  if (columns.cols() == 0) return columns;  // Eigen reads the largest of no columns
+  if (columns.cols() == 0) return columns;  // Eigen would read the largest entry of an empty vector
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
   return MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }

@@ -8,7 +8,7 @@ constexpr int kFilterLanes = 8;  ///< columns that are filtered side by side
 /// s2' = c2 x - a2 s1, which is the transposed direct form II without y in its loop.
 struct FilterSection {
   double b0, c1, c2, a1, a2;
-  double start1, start2;  ///< steady state for a constant input of one
+  double start1, start2;  ///< values of s1, s2 in the steady state for a constant input of one
 };
 
 /// Filters up to kFilterLanes columns forward and backward.

@@ -12,7 +12,7 @@ template <typename P>
 struct FilterLoops {
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));
   static constexpr int kAcross = kFilterLanes / P::kSize;
-  // Number of sections that process a sample together, with their states in registers.
+  // Number of sections that process one sample at a time, with their states in registers.
   static constexpr int kTogether = P::kSize >= 4 ? 3 : 1;
 
   static P load(const double* from) {
@@ -64,7 +64,7 @@ struct FilterLoops {
     else run_lanes<0>(in);
   }
 
-  // kLanes: number of lanes in use, 0 if it is known at run time only.
+  // kLanes is the number of lanes in use, 0 if it is known at run time only.
   template <int kLanes>
   static void run_lanes(const FilterSweep& in) {
     const int lanes = kLanes > 0 ? kLanes : in.lanes;

@@ -8,7 +8,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kShare = 0.25;
-constexpr double kUnknown = 2.0 * (1 << 30);  // [bytes] assumed where the memory size is unknown
+constexpr double kUnknown = 2.0 * (1 << 30);  // [bytes] memory assumed if its size is unknown
 
 double memory() {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));

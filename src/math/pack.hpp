@@ -113,7 +113,7 @@ inline void sine_cosine(const Pack<kLanes, Isa>& x, Pack<kLanes, Isa>& sine,
   const Lanes magic = Lanes{} + 6755399441055744.0;
   const Lanes shifted = x.v * (2.0 / M_PI) + magic;
   const Lanes k = shifted - magic;
-  const Mask quadrant = reinterpret_cast<Mask>(shifted);  // the same bits
+  const Mask quadrant = reinterpret_cast<Mask>(shifted);  // the bits of `shifted` as integers
   // The first two products and the first difference are exact; the rounding error of the second is
   // added to the third.
   const Lanes first = x.v - k * 1.57079632673412561417e+00;

@@ -14,7 +14,7 @@ namespace {
 
 using PackedProduct = void (*)(const PackedBlocks&);
 
-// Null if the processor has no wider vectors than the build.
+// The kernel for an instruction set; null if the processor has no wider vectors than the build.
 [[maybe_unused]] PackedProduct product_for(InstructionSet wanted) {
   const InstructionSet isa = std::min(wanted, widest_instruction_set());
   if (isa >= InstructionSet::kAvx512 && packed_product_avx512() != nullptr) return packed_product_avx512();
@@ -24,8 +24,8 @@ using PackedProduct = void (*)(const PackedBlocks&);
 }  // namespace
 }  // namespace veridyn
 
-// The innermost product of all products and solutions. decompositions.hpp declares it as compiled elsewhere:
-// it is compiled here, in a file that does not see that declaration, after which a specialization is an error.
+// The innermost product of all Eigen products and solutions. Its specialization must be compiled in a file that
+// does not include decompositions.hpp, which declares it as compiled elsewhere.
 namespace Eigen {
 #if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 90)
 namespace internal {
@@ -36,8 +36,8 @@ template <typename I>
 using Gebp = gebp_kernel<double, double, I, Blocks<I>, gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false, false>;
 
 #if defined(__SSE2__) && !defined(__AVX__)
-// If the processor has more than the two lanes of this build, this calls the kernel compiled for it; else
-// Eigen's own, under another index type.
+// Calls the kernel for the processor if that has more than the two lanes of this build; otherwise Eigen's own,
+// instantiated for another index type.
 template <>
 EIGEN_DONT_INLINE void Gebp<Index>::operator()(const Blocks<Index>& res, const double* A,
                                                const double* B, Index rows, Index depth, Index cols,

@@ -8,15 +8,15 @@ namespace veridyn {
 struct PackedBlocks {
   const double* A;
   const double* B;
-  double* C;    ///< by columns
-  long stride;  ///< of C's columns
+  double* C;    ///< first entry, stored by columns
+  long stride;  ///< distance between columns of C
   long rows, depth, cols;
   long strideA, strideB;  ///< entries of a packed row, of a packed column
-  long offsetA, offsetB;  ///< of the first inner index in it
+  long offsetA, offsetB;  ///< offset of the first inner index in a packed row, in a packed column
   double alpha;
 };
 
-/// With AVX2 and FMA, with AVX-512; null if the build does not include them. Their results are equal
+/// Kernels for AVX2 with FMA, and for AVX-512; null if the build does not include them. Their results are equal
 /// to the last bit.
 void (*packed_product_avx2())(const PackedBlocks&);
 void (*packed_product_avx512())(const PackedBlocks&);

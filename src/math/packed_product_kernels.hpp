@@ -12,14 +12,14 @@ namespace {
 typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(8), may_alias));
 typedef double Eight __attribute__((vector_size(8 * sizeof(double))));
 
-// Four entries of one panel and four of the next.
+// Loads four entries of one panel and four of the next.
 inline Eight pair(const double* a, long next) {
   const Four low = *reinterpret_cast<const Four*>(a);
   const Four high = *reinterpret_cast<const Four*>(a + next);
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-// kVectors vectors of kJoined panels of kRows rows, times kColumns columns, in registers.
+// Multiplies kVectors vectors of kJoined panels of kRows rows by kColumns columns, in registers.
 template <int kRows, int kJoined, int kVectors, int kColumns>
 inline void multiply(const PackedBlocks& m, long row, long column) {
   typedef double Lanes __attribute__((vector_size(kRows * kJoined * sizeof(double)), aligned(8), may_alias));
@@ -55,7 +55,7 @@ template <int kJoined, int kColumns>
 inline void all_rows(const PackedBlocks& m, long column) {
   long row = 0;
   for (; row + 12 * kJoined <= m.rows; row += 12 * kJoined) multiply<4, kJoined, 3, kColumns>(m, row, column);
-  // At least eight sums are computed at the same time, so that they do not wait for each other.
+  // At least eight sums are computed at once, so that additions do not wait for each other.
   for (; kColumns < 8 && row + 12 <= m.rows; row += 12) multiply<4, 1, 3, kColumns>(m, row, column);
   for (; row + 4 * kJoined <= m.rows; row += 4 * kJoined) multiply<4, kJoined, 1, kColumns>(m, row, column);
   for (; row + 4 <= m.rows; row += 4) multiply<4, 1, 1, kColumns>(m, row, column);
@@ -63,7 +63,7 @@ inline void all_rows(const PackedBlocks& m, long column) {
   for (; row < m.rows; ++row) multiply<1, 1, 1, kColumns>(m, row, column);
 }
 
-// kJoined panels of four rows, or of four columns, at once.
+// Multiplies kJoined panels of four rows, or of four columns, at once.
 template <int kJoined>
 void packed_product(const PackedBlocks& m) {
   long column = 0;

@@ -6,8 +6,9 @@
 
 namespace veridyn {
 
-// Golub and Kahan: the eigenvalues of [0 B'; B 0] are plus and minus the singular values of the bidiagonal B
-// = U' A V. With its rows and columns interleaved that matrix is tridiagonal with a zero diagonal.
+// Computes singular values by Golub and Kahan: the eigenvalues of [0 B'; B 0] are plus and minus the singular
+// values of the bidiagonal B = U' A V. If its rows and columns are interleaved, that matrix is tridiagonal with
+// a zero diagonal.
 VectorXd singular_values(const MatrixXd& A) {
   const Eigen::Index n = A.cols();
   if (n == 0) return {};

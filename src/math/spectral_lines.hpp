@@ -6,7 +6,7 @@ namespace veridyn {
 
 /// Amplitudes 2/n |sum of r exp(-i w s)| of the waves along s in r at evenly spaced angular frequencies.
 ///
-/// @param s      places, not necessarily evenly spaced, (n)
+/// @param s      positions, not necessarily evenly spaced, (n)
 /// @param r      values there, (n)
 /// @param first  first angular frequency, rad per unit of s
 /// @param step   distance of the frequencies

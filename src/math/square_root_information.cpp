@@ -14,9 +14,9 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kBlockRows = 256;  // rows of a block: with 60 columns half of a 256 KiB cache
-// Number of columns from which a factor stores its first rows without factoring them. Smaller triangles need
-// little memory, and are equal to the last bit with and without a file in between.
+constexpr Eigen::Index kBlockRows = 256;  // number of rows of a block: with 60 columns half of a 256 KiB cache
+// Number of columns from which on a factor stores its first rows without factoring them. Smaller triangles need
+// little memory; they are factored at once, and are equal to the last bit after being stored in a file.
 constexpr int kManyColumns = 128;
 
 }  // namespace
@@ -52,7 +52,7 @@ class SquareRootInformation::Triangle {
     std::fill(A_ + first * stride_, A_ + rows_ * stride_, 0.0);
   }
 
-  // Column j of the block's first rows.
+  // Writes column j of the block's first rows.
   template <typename Column>
   void set_column(Eigen::Index j, const Column& values) {
     double* to = A_ + j;
@@ -198,7 +198,7 @@ std::vector<int> SquareRootInformation::places_of(const SquareRootInformation& o
 }
 
 void SquareRootInformation::merge_known(const SquareRootInformation& other, double weight) {
-  const std::vector<int> place = places_of(other);  // places of its columns
+  const std::vector<int> place = places_of(other);  // indices of its columns in this factor
   const Eigen::Index count = other.stored_rows();
   rows_ += other.rows_;
   rho2_ += weight * weight * other.rho2_;

@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-// std::lgamma() stores the sign in a variable that all threads share.
+// Logarithm of the gamma function; thread-safe, unlike std::lgamma(), which stores the sign in a global variable.
 double log_gamma(double x) {
   int sign = 0;
   return ::lgamma_r(x, &sign);

@@ -3,7 +3,7 @@
 namespace veridyn {
 
 constexpr int kTrianglePanel = 8;  ///< columns that are triangulated together
-constexpr int kTriangleRows = 4;   ///< rows per call are a multiple of this
+constexpr int kTriangleRows = 4;   ///< divisor of the number of rows per call
 
 /// One step of the streaming QR: the rows A go into the triangle R by Householder reflections,
 ///
@@ -15,8 +15,8 @@ struct TriangleUpdate {
   double* A;        ///< (rows x columns)
   long stride;      ///< a multiple of kTrianglePanel, see triangle_stride()
   int columns;      ///< a multiple of kTrianglePanel; unused ones are zero
-  /// Rows that begin before the end of each panel, (columns / kTrianglePanel), never fewer than in the panel before;
-  /// multiples of kTriangleRows, unused ones are zero. The rest of a panel is zero and is not read.
+  /// Number of rows that begin before the end of each panel, (columns / kTrianglePanel), not decreasing,
+  /// multiples of kTriangleRows; unused rows are zero. The rest of a panel is zero and is not read.
   const int* begun;
 };
 
@@ -36,8 +36,8 @@ constexpr int triangle_columns(int columns) {
   return (columns + kTrianglePanel - 1) / kTrianglePanel * kTrianglePanel;
 }
 
-/// Distance of rows for so many columns: an odd number of cache lines, so that a column of them
-/// spreads over all sets of the cache (a power of two halves the speed from 128 rows on).
+/// Distance of rows of this many columns: an odd number of cache lines, so that the entries of one column are
+/// spread over all sets of the cache (a power of two halves the speed from 128 rows on).
 constexpr long triangle_stride(int columns) {
   return (triangle_columns(columns) / kTrianglePanel | 1) * long{kTrianglePanel};
 }

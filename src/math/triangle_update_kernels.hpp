@@ -16,11 +16,11 @@ template <typename P>
 struct TriangleLoops {
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));
   static constexpr int kPanel = kTrianglePanel;
-  static constexpr int kAcross = kPanel / P::kSize;  // vectors of a panel's row
-  static constexpr int kUnroll = 4;                  // rows; their number is a multiple of it
+  static constexpr int kAcross = kPanel / P::kSize;  // number of vectors in a panel's row
+  static constexpr int kUnroll = 4;                  // rows processed at once; the total is a multiple of it
   static constexpr double kNothing = 1e-200;  // a smaller square has no finite inverse
-  // Vectors of columns and reflections that are processed at once: as many sums as the registers
-  // hold.
+  // Number of vectors of columns, and of reflections, that are processed at once: as many sums as fit into
+  // registers.
   static constexpr int kWide = P::kSize >= 4 ? 3 : 2;
   static constexpr int kDeep = P::kSize >= 8 ? 8 : 4;
 
@@ -102,7 +102,7 @@ struct TriangleLoops {
         top[j] = beta;
       }
       panel.u[j] = u;
-      // Column j of T from the products of x_j with the reflections before it.
+      // Computes column j of T from the products of x_j with the reflections before it.
       for (int i = 0; i < j; ++i) {
         double sum = 0.0;
         for (int k = i; k < j; ++k) sum += panel.T[i][k] * d[k];

@@ -13,7 +13,7 @@ namespace {
 
 // Builds a section from the coefficients of y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y''.
 FilterSection section(double b0, double b1, double b2, double a1, double a2) {
-  // Steady state under a constant input of one; every section has unit gain at zero frequency.
+  // s2 in the steady state for a constant input of one; every section has unit gain at zero frequency.
   const double start2 = b2 - a2;
   return {b0, b1 - a1 * b0, b2 - a2 * b0, a1, a2, b1 - a1 + start2, start2};
 }
@@ -29,7 +29,7 @@ ZeroPhaseFilter::ZeroPhaseFilter(double cutoff, int order, double rate) {
   require(cutoff > 0.0 && cutoff < 0.5 * rate, "filter cut-off is ", cutoff,
           " Hz; expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
   const double warped =
-      std::tan(M_PI * cutoff / rate);  // cut-off of the analogue prototype, times T/2
+      std::tan(M_PI * cutoff / rate);  // cut-off of the analogue prototype, times half the time step
   for (int k = 0; k < order / 2; ++k) {
     const double damping = 2.0 * std::sin(M_PI * (2 * k + 1) / (2.0 * order));
     const double scale = 1.0 + damping * warped + warped * warped;

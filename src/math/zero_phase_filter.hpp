@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-struct FilterSection;  // internal
+struct FilterSection;  // defined in src/math/filter_sweep.hpp
 
 /// A Butterworth low-pass run forward and backward, so that it has no phase lag.
 ///
@@ -17,10 +17,10 @@ struct FilterSection;  // internal
 /// Trans. Signal Processing 44(4), 1996 (start-up of forward-backward filters).
 class ZeroPhaseFilter {
  public:
-  /// @param cutoff  [Hz], between 0 and rate / 2.
-  /// @param order   of one pass, 1 to 20.
-  /// @param rate    [Hz] of the samples.
-  /// @throws InvalidInput  outside these ranges.
+  /// @param cutoff  cut-off frequency [Hz], between 0 and rate / 2.
+  /// @param order   order of one pass, 1 to 20.
+  /// @param rate    sample rate [Hz].
+  /// @throws InvalidInput  a parameter is outside of its range.
   ZeroPhaseFilter(double cutoff, int order, double rate);
 
   /// Filters every column in place. Columns are filtered eight at a time.
@@ -38,8 +38,8 @@ class ZeroPhaseFilter {
   double slowest_pole_ = 0.0;  ///< largest magnitude of a pole
 };
 
-/// D/dt of every column by central differences of fourth order, of lower order at the ends. The
-/// rows are dt apart.
+/// Time derivative of every column by central differences of fourth order, of lower order at the ends. The rows
+/// are dt [s] apart.
 MatrixXd differentiate(const MatrixRef& columns, double dt);
 
 }  // namespace veridyn

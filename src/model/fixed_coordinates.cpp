@@ -31,7 +31,7 @@ bool moves(const Axis& axis) {
   return (axis.coefficients.array() != 0.0).any();
 }
 
-// A joint that is locked becomes a fixed frame: T = A J(s0) B.
+// Turns a locked joint into a fixed frame: T = A J(s0) B.
 void hold(Frame* frame) {
   const bool turns = frame->type == JointType::kRevolute;
   const double s = frame->variable.offset;

@@ -2,8 +2,8 @@
 
 namespace veridyn {
 
-/// "m", "hx" .. "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz": in the order of
-/// InertialParameters.
+/// Symbol of a parameter in the order of InertialParameters: "m", "hx" .. "hz", "Lxx", "Lxy", "Lyy", "Lxz",
+/// "Lyz", "Lzz".
 constexpr const char* inertial_symbol(int component) {
   constexpr const char* kSymbols[] = {"m",   "hx",  "hy",  "hz",  "Lxx",
                                       "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};

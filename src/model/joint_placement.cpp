@@ -10,7 +10,7 @@ namespace {
 Mat3d rotation_z_to(const Vec3d& axis) {
   if (axis.z < 0.0)
     return rotation_z_to({-axis.x, -axis.y, -axis.z}) * Mat3d{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
-  // Rodrigues' formula about z x axis, the smallest rotation.
+  // Rodrigues' formula for the smallest rotation, about z x axis.
   const double x = axis.x;
   const double y = axis.y;
   const double k = 1.0 / (1.0 + axis.z);
@@ -40,8 +40,8 @@ Mat3d rotation_from_rpy(const Vec3d& rpy) {
 }
 
 Vec3d rpy_from_rotation(const Mat3d& R) {
-  // For any choice of yaw, pitch and roll follow from Rz(-yaw) R, so that no accuracy is lost near
-  // pitch = +-pi/2.
+  // Pitch and roll follow from Rz(-yaw) R for any choice of yaw, so that no accuracy is lost near pitch =
+  // +-pi/2.
   constexpr double kNoise = 4.0 * std::numeric_limits<double>::epsilon();
   const bool upright = std::hypot(R.row0.x, R.row1.x) < kNoise;
   const double yaw = upright ? 0.0 : std::atan2(R.row1.x, R.row0.x);
@@ -62,8 +62,8 @@ void place(Frame& frame, const JointPlacement& placement) {
 
 JointPlacement joint_placement(const Frame& frame) {
   if (frame.type == JointType::kFixed) return {frame.A * frame.B, {0, 0, 1}, {0, 0, 0}};
-  // A J B = (A B.R) (B.R' J B.R) (B.R' B.p): the joint's frame takes the orientation of the frame
-  // at s = 0.
+  // A J B = (A B.R) (B.R' J B.R) (B.R' B.p): in this form the joint's frame has the orientation of the frame at
+  // s = 0.
   return {{frame.A.R * frame.B.R, frame.A.p}, frame.B.R.row2, rotate_back(frame.B.R, frame.B.p)};
 }
 

@@ -18,7 +18,7 @@ std::vector<RecordedChannel> channels_of(const Model& arm) {
   return out;
 }
 
-// signal(t - delay) by linear interpolation; the first value also holds before the first row.
+// Computes signal(t - delay) by linear interpolation; before the first row the signal equals its first value.
 VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
   VectorXd out(signal.size());
   Eigen::Index k = 0;

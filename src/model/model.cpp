@@ -10,7 +10,7 @@ namespace veridyn {
 
 InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
                                        const Eigen::Matrix<double, 6, 1>& inertia_com) {
-  // Steiner: L = L_com + m (c'c 1 - c c').
+  // Steiner's theorem: L = L_com + m (c'c 1 - c c').
   const double x = com.x();
   const double y = com.y();
   const double z = com.z();
@@ -30,7 +30,7 @@ void place(Frame& frame, const DhRow& dh) {
   frame.dh = dh;
   const bool turns = frame.type == JointType::kRevolute;
   const bool slides = frame.type == JointType::kPrismatic;
-  // The constant number of the joint's own kind goes into s0, the other one into A or B.
+  // The DH number of the joint's own kind (theta or d) becomes part of s0, the other one part of A or B.
   if (turns) frame.variable.offset += dh.theta;
   if (slides) frame.variable.offset += dh.d;
   const Posed turn{rotation_z(turns ? 0.0 : dh.theta), {0, 0, 0}};
@@ -48,7 +48,8 @@ void place(Frame& frame, const DhRow& dh) {
 
 namespace {
 
-// Squares and sums of torques must remain finite: a file in other units, or a damaged one, is rejected here.
+// Largest absolute number in a file: files in other units, or damaged ones, are rejected, so that squares and
+// sums of torques remain finite.
 constexpr double kLargestNumber = 1e9;
 
 bool is_small(double x) { return std::abs(x) <= kLargestNumber; }  // false for NaN

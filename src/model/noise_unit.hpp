@@ -2,8 +2,8 @@
 
 namespace veridyn {
 
-/// [s] between independent samples of IdentifiedBase::noise: its unit. Over a longer time the same effect has a
-/// smaller deviation.
+/// Time [s] between independent samples to which IdentifiedBase::noise refers. Noise with the same effect and a
+/// longer correlation time has a smaller deviation.
 constexpr double kNoiseSeconds = 0.1;
 
 }  // namespace veridyn

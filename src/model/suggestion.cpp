@@ -13,7 +13,7 @@ bool same_letter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
 
-// Levenshtein distance, row by row, ignoring case.
+// Levenshtein distance, computed row by row, ignoring case.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -29,7 +29,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-constexpr std::size_t kTellsEnough = 3;  // letters that a prefix needs to identify a name
+constexpr std::size_t kTellsEnough = 3;  // shortest prefix, in letters, that identifies a name
 
 // The shortest candidate with the prefix `name`: "psm" may mean "psm-3dof".
 std::string shortest_that_begins_with(const std::string& name,

@@ -7,15 +7,15 @@ namespace veridyn {
 namespace {
 
 constexpr double kStillShare = 0.2;  // share of the displacement by which a joint at rest may creep
-constexpr double kJumpShare = 5.0;   // displacements between two rows that mark a new start
+constexpr double kJumpShare = 5.0;   // number of displacements between two rows from which on they mark a new start
 constexpr double kStartsBelow = 0.6;  // share of the effort at the onset below which a ramp starts
-constexpr double kWindow = 0.05;      // [s] on either side, for means of effort and speed
+constexpr double kWindow = 0.05;      // [s] half width of the means of effort and speed
 constexpr double kLeapShare = 0.7;    // share of the effort at the onset that counts as a leap
 constexpr double kLeapSeconds = 0.2;  // [s] duration of a leap
-// Displacements from an end of the range within which the joint is against the stop.
+// Distance from an end of the range, in displacements, within which the joint is at the stop.
 constexpr double kNearEnd = 2.0;
 
-// Rows around k within the window.
+// Rows within kWindow of row k.
 struct Window {
   Eigen::Index from, to;
 };

@@ -57,7 +57,7 @@ class MadeOnce {
     }
   }
 
-  // The value if it has been computed; else null.
+  // The value if it has been computed already, else null.
   std::shared_ptr<const Made> find_made(const Key& key) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto found = all_.find(key);
@@ -77,7 +77,7 @@ class MadeOnce {
 struct KeptRecordings::State {
   explicit State(long most_bytes)
       : recordings(most_bytes), prepared(most_bytes), qualities(most_bytes) {}
-  internal::MadeOnce<std::string, Whole> recordings;  // by path and reading options
+  internal::MadeOnce<std::string, Whole> recordings;  // recordings by path and reading options
   internal::MadeOnce<PreparationKey, PreparedRecording> prepared;
   internal::MadeOnce<std::string, RecordingQuality> qualities;
   RowsOnDisk on_disk;

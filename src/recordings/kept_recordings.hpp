@@ -17,14 +17,13 @@ struct OpenedRows {
   std::function<RecordingFacts()> facts;
 };
 
-/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their prepared
-/// forms, up to as many bytes; rows of other files are in RowsOnDisk. Pipes are always kept. Code that reads
-/// the same recordings many times creates one and passes it on in PreprocessingOptions::kept. Threads may
-/// share it.
+/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their prepared forms, up
+/// to as many bytes; rows of other files are in RowsOnDisk. Pipes are always kept. Code that reads the same
+/// recordings many times creates one and passes it on in PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
-  static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
-  static constexpr long kFewPasses = 10L << 20;       ///< bound for a few passes over each file
+  static constexpr long kManyQuestions = 400L << 20;  ///< [bytes] largest text that is kept for a diagnosis
+  static constexpr long kFewPasses = 10L << 20;       ///< [bytes] largest text for a few passes over each file
 
   explicit KeptRecordings(long most_bytes = kManyQuestions);
   ~KeptRecordings();
@@ -42,7 +41,7 @@ class KeptRecordings {
   RecordingQuality quality(const std::string& path, const RecordingOptions& options,
                            const std::function<RecordingQuality()>& judge);
 
-  /// The same if it has been evaluated already; else null.
+  /// The quality of a recording's first rows if it has been evaluated already, else null.
   std::shared_ptr<const RecordingQuality> known_quality(const std::string& path,
                                                         const RecordingOptions& options);
 

@@ -18,11 +18,11 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kCore = 4096;  // smallest number of samples in one segment
-// Rows of a segment's core for each row around it: a large number keeps the share of samples that are filtered twice small.
+// Ratio of the rows in a segment's core to those around it: if it is large, few samples are filtered twice.
 constexpr Eigen::Index kCorePerHalo = 3;
 constexpr double kHaloRemainder = 1e-9;  // remainder of the filter's transient at the core
 constexpr Eigen::Index kDerivatives =
-    4;  // samples on either side that two central differences use
+    4;  // number of samples on either side that two successive central differences use
 constexpr double kPreparedBytes = 1.5 * sizeof(double);  // bytes for each number of a segment, with the rows around its core
 
 std::atomic<long> g_prepared{0};
@@ -32,7 +32,7 @@ std::atomic<long> g_prepared{0};
 constexpr double kSlowestCutoff = 1e-5;
 /// sampling rate < kSlowClock [Hz]: times are more likely milliseconds than seconds.
 constexpr double kSlowClock = 1.5;
-constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is omitted
+constexpr double kNyquistShare = 0.45;  // share of the rate; a light filter with a higher cut-off is omitted
 
 struct Filters {
   std::optional<ZeroPhaseFilter> main;
@@ -256,7 +256,7 @@ RecordingOptions recording_options_for(const Model& arm, const PreprocessingOpti
 
 namespace {
 
-// Memory of all segments of a recording of so many rows [bytes]; negative: they are not kept.
+// Memory of all segments of a recording with these rows [bytes]; negative: they are not kept.
 long prepared_bytes(const Model& arm, const Recording* rows, const PreprocessingOptions& options) {
   if (rows == nullptr || rows->rows() < 2) return -1;
   const double seconds = rows->time[rows->rows() - 1] - rows->time[0];

@@ -7,17 +7,17 @@
 namespace veridyn {
 namespace {
 
-constexpr double kRestingRange = 5e-3;   // [rad, m] below it a joint does not count
+constexpr double kRestingRange = 5e-3;   // [rad, m] joints with a smaller range are ignored
 constexpr double kDeep = 0.02;           // largest d of a repeat
-// d has to exceed this before, so that the motion has left its start.
+// d must exceed this at a smaller lag, so that the motion has left its start.
 constexpr double kRisen = 0.25;
-constexpr double kKeptShare = 0.8;       // share of the times
-constexpr double kLongestShare = 0.7;    // share of the duration; the rest is the overlap
-constexpr double kCoarsestStep = 0.025;  // [s]
+constexpr double kKeptShare = 0.8;       // share of the times that count in d; the others are the worst
+constexpr double kLongestShare = 0.7;    // largest period as a share of the duration; the rest is the overlap
+constexpr double kCoarsestStep = 0.025;  // [s] largest step of the coarse grid
 constexpr int kCoarseRows = 5000;
 constexpr int kSampledTimes = 256;   // instants of an estimate of d
-constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are computed exactly
-constexpr double kSurelyRisen = 0.5;  // estimates below this times kRisen have not risen
+constexpr double kSuspected = 4.0;  // lags with estimates up to this times kDeep are computed exactly
+constexpr double kSurelyRisen = 0.5;  // lags with estimates below this times kRisen have not risen
 constexpr double kCap = 8.0;          // bound at which samples of an estimate are cut, for speed only
 
 // Positions of the moving joints on an even grid, each with unit variance.
@@ -91,8 +91,8 @@ Grid resampled(const Motion& motion, double duration, int rows) {
   return grid;
 }
 
-// d(lag) for a lag in steps of the grid, not necessarily an integer; if it exceeds `most`, any number above
-// `most`.
+// d(lag) for a lag in steps of the grid, not necessarily an integer. If d exceeds `most`, the result may be any
+// larger number.
 double difference(const Grid& grid, double lag, std::vector<double>* scratch, double most = INFINITY) {
   const int whole = static_cast<int>(lag);
   const double part = lag - whole;
@@ -116,7 +116,7 @@ double difference(const Grid& grid, double lag, std::vector<double>* scratch, do
   return std::accumulate(scratch->begin(), scratch->begin() + kept, 0.0) / (scale * kept);
 }
 
-// d at integer lags, computed on demand: exact up to `most`, which later calls must not exceed.
+// Computes d at integer lags on demand: exact up to `most`, which later calls must not exceed.
 class Differences {
  public:
   explicit Differences(const Grid& grid)
@@ -141,8 +141,8 @@ class Differences {
     const Eigen::Index count = std::min<Eigen::Index>(times, kSampledTimes);
     const auto kept = static_cast<Eigen::Index>(kKeptShare * static_cast<double>(count));
     const double most_sum = most * 2.0 * static_cast<double>(columns * kept);
-    // The bound of difference(), for pairs of samples: most lags exceed `most` after a few samples, without
-    // sorting.
+    // The same bound as in difference(), over pairs of samples: it excludes most lags after a few samples,
+    // without sorting.
     const double cap = kCap * most * 2.0 * static_cast<double>(columns);
     const double certain = most_sum + cap * static_cast<double>(count - kept);
     double cut_sum = 0.0;

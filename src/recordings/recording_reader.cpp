@@ -128,7 +128,7 @@ std::unique_ptr<recordings::RowSource> rows_of_arm(const std::string& path, cons
     if (whole->joints() == static_cast<int>(all.signals.joints.size()))
       return std::make_unique<WithoutHeldJoints>(std::move(whole), choice);
   } catch (const InvalidInput&) {
-    // Without the held joints, which have no column of their own.
+    // Held joints have no column in the result.
   }
   return rows_in(path, options);
 }

@@ -27,7 +27,7 @@ bool for_columns(Rows& rows, const Visit& visit) {
   return true;
 }
 
-// Reads or writes all bytes at a place of the file with pread or pwrite.
+// Reads or writes all bytes at an offset of the file with pread or pwrite.
 template <typename Call, typename Bytes>
 bool whole(const Call& call, int file, Bytes* bytes, long count, long offset) {
   while (count > 0) {
@@ -54,7 +54,7 @@ RowsOnDisk::~RowsOnDisk() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a file in a folder that is on a disk even where /tmp is in memory.
+// Opens a file in a folder that is usually on a disk, whereas /tmp may be in memory.
 bool RowsOnDisk::open() {
   if (tried_) return file_ >= 0;
   tried_ = true;

@@ -16,8 +16,8 @@ namespace veridyn {
 /// space, or if the file cannot be written, it stores nothing.
 class RowsOnDisk {
  public:
-  static constexpr long kMostBytes = 2L << 30;      ///< bound of the file
-  static constexpr double kMostOfFreeSpace = 0.25;  ///< share of the free space of its disk
+  static constexpr long kMostBytes = 2L << 30;      ///< largest size of the file [bytes]
+  static constexpr double kMostOfFreeSpace = 0.25;  ///< largest share of the free space of its disk
 
   RowsOnDisk() = default;
   ~RowsOnDisk();
@@ -26,7 +26,7 @@ class RowsOnDisk {
 
   /// A stored recording, as pieces in order.
   struct Stored {
-    Recording without_rows;  ///< its source and signals, with zero rows
+    Recording without_rows;  ///< source and signals of the recording, with zero rows
     struct Piece {
       long offset;  ///< offset of the first column in the file, in doubles
       int rows;

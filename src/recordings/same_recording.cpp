@@ -11,10 +11,11 @@
 namespace veridyn {
 namespace {
 
-constexpr std::size_t kSampled = 4096;  // hashes of a sample
-constexpr long kRun = 4;                // rows of a hash: coarse signals of a servo repeat single rows by chance
+constexpr std::size_t kSampled = 4096;  // number of hashes in a sample
+constexpr long kRun = 4;                // rows per hash; coarse signals repeat single rows by chance
 
-// FNV-1a over the values of the rows up to k, in single precision, which files of seven digits hold.
+// FNV-1a over the values of the rows up to k, rounded to single precision, so that a file with seven digits has
+// the same hashes.
 std::uint64_t hash_of_rows(const Recording& rows, long k) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const RecordingSignal& signal : kRecordingSignals) {

@@ -12,14 +12,14 @@ namespace veridyn {
 /// Two empty files are different, and so is a file that does not exist from any other.
 bool same_recording(const std::string& a, const std::string& b);
 
-/// A sample of the rows of a recording in which a position changes: the smallest of their hashes, each over all signals but the
-/// time of this row and those before. A piece of a recording has its sample in that of the whole, about as dense (Broder, On the resemblance and
-/// containment of documents, 1997).
+/// A sample of the rows of a recording: the smallest hashes of its rows in which a position changes. Each hash
+/// covers all signals but the time, of this row and of some before it. The sample of a piece is contained in that
+/// of the whole, with about the same density (Broder, On the resemblance and containment of documents, 1997).
 class RowSample {
  public:
   /// Adds rows first to last - 1 of the next piece of the recording.
   void add(const Recording& piece, long first, long last);
-  /// In increasing order.
+  /// The hashes in increasing order.
   std::vector<std::uint64_t> hashes();
 
  private:
@@ -30,7 +30,7 @@ class RowSample {
   std::uint64_t largest_ = UINT64_MAX;
 };
 
-/// Share of a recording's rows that another one holds too, by their samples.
+/// Share of the rows of one recording that another one contains as well, estimated from their samples.
 double share_of_rows(const std::vector<std::uint64_t>& of, const std::vector<std::uint64_t>& in);
 
 }  // namespace veridyn

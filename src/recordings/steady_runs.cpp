@@ -6,12 +6,12 @@
 namespace veridyn {
 namespace {
 
-constexpr double kBand = 0.1;          // share of the mean speed, on either side
-constexpr double kShortest = 0.5;      // [s]
+constexpr double kBand = 0.1;          // relative deviation from the mean speed, to either side
+constexpr double kShortest = 0.5;      // [s] shortest run
 constexpr double kRestShare = 0.01;    // share of the largest speed, below which the joint is at rest
 constexpr double kGapSteps = 3.0;      // sampling steps between two samples that form a gap
-constexpr double kTravelTurn = 2e-2;   // [rad]
-constexpr double kTravelSlide = 2e-3;  // [m]
+constexpr double kTravelTurn = 2e-2;   // [rad] smallest travel of a revolute joint
+constexpr double kTravelSlide = 2e-3;  // [m] smallest travel of a prismatic joint
 
 }  // namespace
 

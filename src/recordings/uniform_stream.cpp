@@ -14,11 +14,11 @@ namespace veridyn {
 namespace {
 
 constexpr int kPiece = 4096;
-constexpr double kOverhead = 8.0;    // memory of a held sample in addition to its values, in numbers
-// Clocks of recordings count nanoseconds in 64 bits: no period is outside.
+constexpr double kOverhead = 8.0;    // memory of a held sample in addition to its values, in doubles
+// Shortest and longest sampling period: clocks of recordings count nanoseconds in 64 bits.
 constexpr double kShortestPeriod = 1e-9;  // [s]
 constexpr double kLongestPeriod = 9.2e9;
-constexpr double kGapInSteps = 2.5;  // one lost row is always interpolated
+constexpr double kGapInSteps = 2.5;  // shorter distances are no gaps, so that one lost row is always interpolated
 
 }  // namespace
 

@@ -68,13 +68,13 @@ class UniformStream {
   double dt_ = 0.0;
   double step_ = 0.0;  ///< median step of the file [s]
   double t_first_ = 0.0;
-  double t_wanted_first_ = 1e300;  ///< until the first selected row has been read
+  double t_wanted_first_ = 1e300;  ///< very large until the first selected row has been read
   double t_wanted_last_ = 1e300;
   long next_index_ = 0;
   long first_index_ = 0;
   long rows_read_ = 0;
   Row row_{0.0, {}}, previous_{0.0, {}};
-  double most_held_ = 0.0;  ///< in samples
+  double most_held_ = 0.0;  ///< largest number of held samples
   Eigen::Index width_ = 0;
   std::vector<double> samples_;  ///< row by row
   std::vector<char> sound_;

@@ -18,7 +18,7 @@ struct VelocityTrust {
 };
 VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recordings);
 
-/// "dq3 (insertion) is no derivative of q3, which is used instead", for each of these joints.
+/// One sentence per joint, such as "dq3 (insertion) is no derivative of q3, which is used instead".
 std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm);
 
 /// True if the finding means that its joint's velocity is wrong.

@@ -9,8 +9,8 @@
 
 namespace veridyn {
 
-/// Columns of a regressor along a motion, with the chain rule back to the motion. Immutable: serves
-/// several threads.
+/// Columns of a regressor along a motion, and their derivatives with respect to it. Immutable: one object
+/// serves several threads.
 class ColumnSource {
  public:
   virtual ~ColumnSource() = default;
@@ -27,8 +27,8 @@ class ColumnSource {
   /// Y[i](row, c): entry of column columns(i)[c] in joint i's row; sized here.
   virtual void evaluate(const MotionSamples& motion, std::vector<MatrixXd>& Y) const = 0;
 
-  /// Adds the derivatives of sum_i <weights[i], Y[i]> to slopes, (rows x 3 n): by q, dq, ddq of the
-  /// row's sample.
+  /// Adds the derivatives of sum_i <weights[i], Y[i]> with respect to q, dq, ddq of each row to slopes, (rows x
+  /// 3 n).
   virtual void add_gradient(const MotionSamples& motion, const std::vector<MatrixXd>& weights,
                             MatrixXd& slopes) const = 0;
 };
@@ -40,8 +40,8 @@ std::unique_ptr<ColumnSource> body_columns(const Model& arm);
 
 /// Columns of the parameters of one effect of the arm.
 ///
-/// @param rounding  (n) speeds below which a sign is smoothed, so that a search has derivatives;
-/// zero: unmodified. Effects with memory are never smoothed.
+/// @param rounding  (n) speeds below which the sign of a velocity is smoothed, so that a search has
+///   derivatives; zero: unmodified. Effects with memory are never smoothed.
 std::unique_ptr<ColumnSource> effect_columns(const Model& arm, const EffectTerm& term,
                                              const VectorXd& rounding);
 
@@ -54,7 +54,7 @@ enum class TorquePart {
 /// One column: the torques of the arm's bodies in the rows of selected joints, as for a torque gain
 /// or a direction of gravity.
 ///
-/// @param joints  nonzero where the joint's row counts, (n).
+/// @param joints  (n) nonzero for the joints whose rows are used.
 std::unique_ptr<ColumnSource> torque_column(const Model& arm, const VectorXd& phi, TorquePart part,
                                             const VectorXd& joints);
 

@@ -27,11 +27,11 @@ struct MotionView {
 ///
 ///   load = M(q) ddq + C(q, dq) dq + g(q)        (rows x n)
 ///
-/// Zero where a body has no values. With measured accelerations the caller low-passes the load at
-/// kLoadCutoffShare of the filter's cut-off: it carries their noise, as the columns of the inertias
-/// do, and an effect that differentiates it would otherwise cancel that noise and seem significant.
-/// The motion itself has lower frequencies. All code with a motion uses this definition; a
-/// controller, which has no accelerations, omits M ddq.
+/// It is zero if a body has no values. With measured accelerations the caller low-passes the load at
+/// kLoadCutoffShare of the filter's cut-off, because it has their noise, as the columns of the inertias do: an
+/// effect that differentiates the load would otherwise cancel that noise and appear significant. The motion
+/// itself has lower frequencies. All code with a motion uses this definition; a controller, which has no
+/// accelerations, omits M ddq.
 MatrixXd rigid_load(const Model& arm, const TorqueRegressor& bodies, const MotionView& motion);
 constexpr double kLoadCutoffShare = 0.5;
 
@@ -59,7 +59,7 @@ class ColumnsInPieces {
   void reset() { effect_.reset(); }
   MatrixXd next(const std::vector<AxisSample>& samples);
 
-  /// The samples of its axis along a motion, as axis_samples() computes them.
+  /// Samples of the effect's axis along a motion, as by axis_samples().
   std::vector<AxisSample> samples(const MotionView& motion, const MatrixXd& load) const {
     return axis_samples(effect_, motion, load, 0.0);
   }

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// Possible inputs of a column, one number each.
+// Pointer to one of the numbers on which a column may depend.
 using Input = double AxisSample::*;
 constexpr std::array<Input, 6> kInputs = {&AxisSample::s,       &AxisSample::ds,
                                           &AxisSample::dds,     &AxisSample::from_s,
@@ -107,7 +107,7 @@ class EffectSource final : public ColumnSource {
     return row;
   }
 
-  // Where a column jumps with the sign of the velocity, both sides are blended:
+  // Columns that jump with the sign of the velocity are blended from both sides:
   //   (1 + v/r)/2 f(r) + (1 - v/r)/2 f(-r),   r = sqrt(v^2 + rounding^2).
   // Terms that are even or linear in the velocity change by rounding^2 / v^2 only.
   EffectColumns rounded(const AxisSample& x, EffectState& state) const {
@@ -132,7 +132,7 @@ class EffectSource final : public ColumnSource {
 
   double step_of(size_t input, const AxisSample& x) const {
     if (kInputs[input] == &AxisSample::load) return 1e-4 * (1e-3 + std::abs(x.load));
-    // The step stays on one side of a jump.
+    // A small step stays on one side of the smoothed jump.
     if (input == kVelocity && rounding_ > 0.0) return 1e-2 * rounding_;
     return step_;
   }
@@ -156,7 +156,7 @@ class EffectSource final : public ColumnSource {
     }
   }
 
-  // Result of a sample and the previous state: columns and the next state.
+  // The columns of a sample, and the next state, as a function of the sample and the state before it.
   struct Passed {
     EffectColumns row{};
     EffectState state{};
@@ -204,7 +204,7 @@ class EffectSource final : public ColumnSource {
     }
   }
 
-  // Chain rule from the axis to the coordinates.
+  // Applies the chain rule from the axis to the coordinates.
   void apply_chain_rule(const MotionSamples& m, const MatrixXd& by_input, MatrixXd& slopes) const {
     const Eigen::Index n = m.joints();
     for (Eigen::Index part = 0; part < 3; ++part) {

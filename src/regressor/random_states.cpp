@@ -9,8 +9,8 @@
 namespace veridyn {
 namespace {
 
-// Widens the limits to include the ranges in which effects change: a table of a joint without
-// limits may lie anywhere.
+// Widens the limits to include the ranges in which effects change, since those of a joint without limits may
+// lie anywhere.
 void widen(const Model& arm, MotionLimits& limits) {
   for (const EffectTerm& term : arm.effects()) {
     if (!has_axis_effect(term.effect)) continue;

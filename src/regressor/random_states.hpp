@@ -15,7 +15,7 @@ namespace veridyn {
 MotionSamples random_states(const Model& arm, int count, unsigned seed = 7,
                             const std::vector<std::string>& still = {});
 
-/// Number of states for a choice among this many columns.
+/// Number of random states that suffices for a choice among this many columns.
 int state_count(int columns, int joints);
 
 }  // namespace veridyn

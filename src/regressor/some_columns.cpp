@@ -47,7 +47,7 @@ class SomeColumns final : public ColumnSource {
   }
 
  private:
-  // Pairs (column here, index of the same column among the source's columns of the joint).
+  // Pairs of a column's index here and its index among the source's columns of the joint.
   std::vector<std::pair<int, int>> places(int joint) const {
     const std::vector<int> theirs = from_->columns(joint);
     std::vector<std::pair<int, int>> out;

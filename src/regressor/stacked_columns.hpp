@@ -7,8 +7,8 @@
 
 namespace veridyn {
 
-/// The Gram matrix of chosen columns of several sources, and its derivative. Immutable but for
-/// choose(): serves several threads.
+/// The Gram matrix of chosen columns of several sources, and its derivative. Several threads may use one
+/// object, except for choose().
 class StackedColumns {
  public:
   StackedColumns(int joints, std::vector<std::shared_ptr<const ColumnSource>> sources);
@@ -23,18 +23,18 @@ class StackedColumns {
   /// All columns, chosen or not: (rows n x count), the rows of joint 1 first.
   MatrixXd stacked(const MotionSamples& motion) const;
 
-  /// sum_i w_i^2 W_i' W_i of the chosen columns.
-  /// @param row_weights  (n) w.
+  /// The sum over i of w_i^2 W_i' W_i, of the chosen columns.
+  /// @param row_weights  (n) weights w.
   MatrixXd gram(const MotionSamples& motion, const VectorXd& row_weights) const;
 
-  /// W_i' W_i of every joint's rows.
+  /// The Gram matrix W_i' W_i of each joint's rows.
   std::vector<MatrixXd> joint_grams(const MotionSamples& motion) const;
 
-  /// The derivatives of f(joint_grams) by q, dq, ddq of every row, (rows x 3 n).
+  /// The derivatives of f(joint_grams) with respect to q, dq, ddq of every row, (rows x 3 n).
   /// @param by_gram  (n of chosen x chosen) df/dG_i, symmetric.
   MatrixXd gradient(const MotionSamples& motion, const std::vector<MatrixXd>& by_gram) const;
 
-  /// The derivatives of f(gram) by q, dq, ddq of every row, (rows x 3 n).
+  /// The derivatives of f(gram) with respect to q, dq, ddq of every row, (rows x 3 n).
   /// @param by_gram  (chosen x chosen) df/dgram, symmetric.
   MatrixXd gradient(const MotionSamples& motion, const VectorXd& row_weights,
                     const MatrixXd& by_gram) const;
@@ -43,8 +43,8 @@ class StackedColumns {
   // Location of a chosen column in a joint's rows.
   struct Place {
     size_t source;
-    int local;   ///< among the source's columns of that joint
-    int column;  ///< among the chosen ones
+    int local;   ///< index among the source's columns of that joint
+    int column;  ///< index among the chosen columns
   };
 
   std::vector<std::vector<MatrixXd>> evaluate(const MotionSamples& motion) const;
@@ -52,7 +52,7 @@ class StackedColumns {
                    Eigen::Index rows) const;
 
   std::vector<std::shared_ptr<const ColumnSource>> sources_;
-  std::vector<std::vector<std::vector<int>>> columns_;  // by source and joint, counted over all
+  std::vector<std::vector<std::vector<int>>> columns_;  // by source and joint; indices among all columns
   std::vector<std::vector<Place>> places_;              // by joint
   int count_ = 0;
   int chosen_ = 0;

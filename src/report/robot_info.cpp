@@ -16,7 +16,7 @@ namespace {
 constexpr Align kLeft = Align::kLeft;
 constexpr Align kRight = Align::kRight;
 
-// "-1.58", or "-" where there is no limit.
+// Text of a bound: "-1.58", or "-" if there is none.
 std::string bound(double value) {
   return std::isfinite(value) ? fmt::format("{:.5g}", value) : "-";
 }

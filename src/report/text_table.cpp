@@ -6,7 +6,7 @@
 namespace veridyn {
 namespace {
 
-constexpr std::size_t kNarrowest = 24;  // width of the last column
+constexpr std::size_t kNarrowest = 24;  // smallest width of the last column
 const std::string kIndent = "  ";
 
 std::string aligned(const std::string& cell, std::size_t width, Align align) {

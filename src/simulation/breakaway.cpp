@@ -11,10 +11,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the other joints
-constexpr double kLonger = 2.0;    // times the recorded ramp during which the model is pushed
-constexpr double kSettle = 3.0;    // [s] of creep before a ramp
-constexpr double kHeavy = 3.0;     // times the damping of a held joint, during the creep
+constexpr double kPeriod = 1e-3;   // [s] period of the controller that holds the other joints
+constexpr double kLonger = 2.0;    // ratio of the longest push of the model to the recorded ramp
+constexpr double kSettle = 3.0;    // [s] longest creep before a ramp
+constexpr double kHeavy = 3.0;     // damping during the creep, relative to that of a held joint
 constexpr double kSettled = 0.02;  // share of the sliding speed below which the joint rests
 
 double median_of_known(std::vector<double> values) {
@@ -23,14 +23,13 @@ double median_of_known(std::vector<double> values) {
   return values.empty() ? kNaN : median(std::move(values));
 }
 
-// Applies one ramp to the model. Beyond the recorded onset the effort continues to rise at its rate
-// before the onset.
+// Applies one ramp to the model. After the recorded onset the effort continues to rise at the same rate.
 class Push {
  public:
   Push(Engine& engine, const ReplayInput& input, const PidGains& gains, int joint)
       : engine_(engine), in_(input), gains_(gains), joint_(joint) {}
 
-  // Writes the rows of the ramp; ends when the model slides.
+  // Computes the rows of the ramp; ends when the model slides.
   void run(const Ramp& ramp, double speed, BreakawayEvent& event, Breakaway& out) {
     const VectorXd& time = in_.motion.time;
     const VectorXd home = in_.motion.q.row(ramp.rest).transpose();

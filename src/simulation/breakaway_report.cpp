@@ -12,7 +12,7 @@ std::string Breakaway::report(const Coordinate& c, const std::string& recording)
   const auto level = [&c](double effort) {
     return std::isfinite(effort) ? fmt::format("{:+.3f} {}", effort, effort_unit(c)) : std::string("none");
   };
-  // Forward, backward: number of ramps in which the simulated joint stays at rest.
+  // Number of forward and of backward ramps in which the simulated joint stays at rest.
   size_t held[2] = {0, 0};
   size_t ramps[2] = {0, 0};
   for (const BreakawayEvent& e : events) {

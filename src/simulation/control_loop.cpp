@@ -14,12 +14,12 @@
 namespace veridyn {
 namespace {
 
-constexpr double kMostUnderWay = 1e6;  // positions that a sensor delays; all of them are stored
-constexpr double kContactRamp = 0.1;  // [s] in which a contact fades in and out
-constexpr double kFar = 10.0;         // times a joint's range: no controller recovers
+constexpr double kMostUnderWay = 1e6;  // largest number of delayed positions, all of which are stored
+constexpr double kContactRamp = 0.1;  // [s] fade-in and fade-out time of a contact
+constexpr double kFar = 10.0;         // largest distance from the set point, in ranges of the joint
 constexpr double kStepSeconds = 1.0;  // [s] duration of a joint's step
-constexpr double kStepRest = 2.0;     // [s] rest after it
-constexpr double kStepPeriod = 1e-3;  // [s]
+constexpr double kStepRest = 2.0;     // [s] rest after a step
+constexpr double kStepPeriod = 1e-3;  // [s] period of the rows
 
 // Records rows up to the end of the run.
 class Log {
@@ -72,7 +72,7 @@ JointControllerOptions settings(const LoopOptions& options, const VectorXd& limi
   return out;
 }
 
-// The controller and the motors, period by period.
+// The controller and the motors, evaluated once per period.
 class Loop {
  public:
   Loop(const Model& arm, const LoopOptions& options)
@@ -97,7 +97,7 @@ class Loop {
     velocity_ = dq;
   }
 
-  // The motors' torques for the next h seconds. A slower controller keeps them for its own period.
+  // The motors' torques for the next h seconds. A controller with a longer period keeps them for that period.
   const VectorXd& torques(const VectorXd& q, const JointReference& wanted, double h) {
     if (first_ || since_ > 1.0 / options_.rate - 0.5 * h) {
       update(q, wanted, first_ ? h : since_);
@@ -148,13 +148,13 @@ class Loop {
 
   const LoopOptions& options_;
   Eigen::Index n_;
-  std::optional<JointController> controller_;  // by a model
-  std::optional<JointPid> pid_;                // without one
+  std::optional<JointController> controller_;  // controller with a model
+  std::optional<JointPid> pid_;                // controller without a model
   Measured measured_;
   VectorXd limit_, velocity_, motors_, last_, whole_;
   std::vector<VectorXd> seen_;
   bool first_ = true;
-  double since_ = 0.0;  // [s] since the previous update
+  double since_ = 0.0;  // [s] time since the previous update
 };
 
 void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
@@ -185,7 +185,7 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
           o.start.size(), " joints, expected ", n, ".");
 }
 
-// The joint that has run away, or -1.
+// The index of the joint that has run away, or -1.
 int runaway_joint(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     if (std::abs(q[i] - wanted[i]) > kFar * range[i]) return static_cast<int>(i);

@@ -5,9 +5,8 @@
 
 namespace veridyn {
 
-/// Gives every effect's missing parameters a default size: together they make kSensibleShare (10 %)
-/// of the rms effort along the effect's axis, each an equal part, over a standard motion that
-/// depends on the arm alone.
+/// Gives every effect's missing parameters a default size: together they cause kSensibleShare (10 %) of the rms
+/// effort along the effect's axis, each an equal part, over a standard motion that depends on the arm alone.
 ///
 /// An effect then has the same size in every recording of an arm, whatever its trajectory. The
 /// effort is that of the bodies and of the effects that have values. Parameters whose columns

@@ -28,7 +28,7 @@ void read_value(const std::string& pair, HiddenEffect& out) {
   const std::string value = pair.substr(equals + 1);
   const bool twice = out.values.count(key) != 0 || (key == "from" && !out.from.empty());
   if (twice) fail(out.asked, "the key '" + key + "' twice", "it once");
-  // `from` is a time for a contact and a coordinate for a coupling.
+  // The key `from` is a time for a contact and a coordinate for a coupling.
   if (key == "from" && out.effect != ExternalContact::kName) {
     out.from = value;
     return;

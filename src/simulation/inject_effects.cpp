@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-// Values of keys with their defaults; all keys used are in the list.
+// All keys of a hidden effect, with their default values.
 using Defaults = std::vector<std::pair<std::string, double>>;
 
 std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults& defaults) {
@@ -115,7 +115,7 @@ class Injector {
     }
   }
 
-  // The joint after from=; nothing for an error without a source.
+  // The joint given by from=; nullopt for an error without a source.
   std::optional<JointIndex> source_of(const HiddenEffect& hidden, const ChannelEffect& channel,
                                       std::optional<JointIndex> joint) const {
     if (!channel.traits().uses_source) return std::nullopt;
@@ -183,7 +183,7 @@ class Injector {
     add(hidden, hidden.place, std::nullopt, std::move(v));
   }
 
-  // This form of a cause is written by a diagnosis only.
+  // Only a diagnosis writes this form of a cause.
   void inject(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
     throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
                             "', which is a load without mass, expected '", AddedLoad::kName, "'."));
@@ -264,7 +264,7 @@ class Injector {
   }
 
   PerturbedArm out_;
-  std::vector<RecordedChannel> shown_;  // by joint
+  std::vector<RecordedChannel> shown_;  // errors of the recorded signals by joint
   VectorXd effort_;
   std::vector<std::string> asked_;
   std::vector<size_t> terms_;  // indices of the new terms among the model's effects

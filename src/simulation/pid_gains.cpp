@@ -9,9 +9,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kIntegralShare = 0.1;  // share of the bandwidth
+constexpr double kIntegralShare = 0.1;  // integral rate as a share of the bandwidth
 
-// The inertia of each joint by itself, rotors included, at the middle of the range.
+// The inertia of each joint with the others held, rotors included, at the middle of the range.
 VectorXd middle_inertia(const Model& arm) {
   require(arm.inertial_values().has_value(), "gains: '", arm.name(),
           "' has no values; expected a robot with mass, com and inertia of every body.");
@@ -20,7 +20,7 @@ VectorXd middle_inertia(const Model& arm) {
   return mass_matrix(arm, middle).diagonal() + PlantForces(arm).inertia().diagonal();
 }
 
-// @param source  outlives the node.
+// @param source  state of reading; it must outlive the returned node.
 YamlNode gains_file(const std::string& path, const std::string& expected, YamlSource& source) {
   const std::string content = content_of_file(path, "gains (YAML with " + expected + ")");
   source.file = path;

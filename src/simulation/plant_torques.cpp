@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// The same motion with `substeps` rows per row; row k becomes row k * substeps.
+// The motion with `substeps` rows per row of m, whose row k becomes row k * substeps.
 MotionSamples refined(const MotionSamples& m, int substeps) {
   const Eigen::Index rows = (m.rows() - 1) * substeps + 1;
   VectorXd times(rows);

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-// Lower bound for joints that carry no body: without rotor and friction their mass would be zero.
+// Lower bound of the effort for joints that carry no body: without rotor and friction their inertia would be zero.
 constexpr double kLeastEffort = 0.1;  // [N m] or [N]
 
 double tightened(double value, double bound) {
@@ -31,7 +31,7 @@ InertialParameters random_body(RandomNumbers& random, const ParameterBox& box) {
   const double c2 = std::pow(random.uniform(0.03, 0.12), 2);
   const Mat3d R = rotation_z(random.uniform(-M_PI, M_PI)) *
                   rotation_y(random.uniform(-M_PI, M_PI)) * rotation_x(random.uniform(-M_PI, M_PI));
-  // Solid ellipsoid about its centre: m/5 (b^2 + c^2) and so on.
+  // Moments of a solid ellipsoid about its centre: m/5 (b^2 + c^2) and so on.
   const double k = mass / 5.0;
   const Mat3d I =
       R * Mat3d{{k * (b2 + c2), 0, 0}, {0, k * (a2 + c2), 0}, {0, 0, k * (a2 + b2)}} * transpose(R);

@@ -12,17 +12,17 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kFewestRows = 10;
-// As in identification: one state per row, and loads that are low-passed below the cut-off, since
-// effects that differentiate them would amplify the noise of the motion.
+// One state per row, as in identification. Loads are low-passed below the cut-off, as there, since effects that
+// differentiate them would amplify the noise of the motion.
 constexpr int kSubsteps = 1;
-constexpr double kCrossover = 0.5;  // [Hz] between recorded positions and recorded velocities
+constexpr double kCrossover = 0.5;  // [Hz] positions below it and velocities above it are the recorded ones
 
 // A zero-phase low-pass on a grid of this rate [Hz].
 class LowPass {
  public:
   LowPass(int order, double rate) : order_(order), rate_(rate) {}
 
-  /// cutoff [Hz]; 0: none.
+  /// Filters columns with this cut-off [Hz]; 0: no filter.
   MatrixXd operator()(MatrixXd columns, double cutoff) const {
     if (cutoff > 0.0) ZeroPhaseFilter(cutoff, order_, rate_).apply(columns);
     return columns;
@@ -33,7 +33,7 @@ class LowPass {
   double rate_;
 };
 
-// Relative norm of the difference, per joint, over the rows in use.
+// Norm of the difference relative to that of `expected`, per joint, over the rows in use.
 VectorXd relative_error(const MatrixXd& found, const MatrixXd& expected,
                         const std::vector<char>& use) {
   VectorXd error = VectorXd::Zero(found.cols());
@@ -64,8 +64,8 @@ bool any(const EffectTerm& /*term*/) {
   return true;
 }
 
-// The reference that a PD with these gains must have had to give tau: e = wanted - actual follows
-// de/dt = (tau - p e) / d, solved exactly for a torque that is constant over a row.
+// The reference with which a PD with these gains gives tau: e = wanted - actual follows de/dt = (tau - p e) /
+// d, solved exactly for a torque that is constant over a row.
 void reference_from_torques(MotionSamples& wanted, const MatrixXd& tau, const PidGains& gains) {
   for (Eigen::Index i = 0; i < tau.cols(); ++i) {
     const double p = gains.p[i];
@@ -80,7 +80,7 @@ void reference_from_torques(MotionSamples& wanted, const MatrixXd& tau, const Pi
   }
 }
 
-// Positions with the recorded low frequencies and the integrated velocity as high frequencies:
+// Positions whose low frequencies are recorded and whose high frequencies are those of the integrated velocity:
 // jitter in the rows' times makes the derivative of q noisier than dq.
 MatrixXd fused_positions(const MotionSamples& m, const LowPass& low_pass) {
   MatrixXd integral = m.q;
@@ -107,7 +107,8 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
   Replay out;
   LoopOptions loop = options.loop;
   if (loop.gains.p.size() == 0) loop.gains = sensible_gains(arm);
-  // An integral term would move the arm to the commands, which lie ahead of it.
+  // The set points lie ahead of the motion that they caused, so that an integral term would remove a deviation
+  // that is correct.
   if (options.drive == ReplayDrive::kCommands) loop.gains.i.setZero();
   out.gains = loop.gains;
   const double dt =
@@ -132,7 +133,7 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
   const auto load = [&](const MotionSamples& motion) {
     return low_pass(rigid_torques(arm, motion), kLoadCutoffShare * options.cutoff);
   };
-  // Effects of measured motion, which a plant lacks, are added to first order: an elastic
+  // A plant cannot include effects of measured motion; they are added to first order, since an elastic
   // transmission moves the arm by less than the controller resolves.
   const MatrixXd unfelt = effect_torques(arm, out.run.motion, load(out.run.motion), kSubsteps,
                                          describes_measured_motion);

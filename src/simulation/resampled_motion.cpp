@@ -16,7 +16,7 @@ struct Point {
 };
 
 Point quintic(const Point& p0, const Point& p1, double h, double u) {
-  // In x = u: f = c0 + c1 u + ... + c5 u^5, with derivatives scaled by h.
+  // The quintic in x = u is f = c0 + c1 u + ... + c5 u^5, with derivatives scaled by h.
   const double v0 = h * p0.dq;
   const double v1 = h * p1.dq;
   const double a0 = h * h * p0.ddq;
@@ -58,7 +58,8 @@ MotionSamples motion_at(const MotionSamples& m, const VectorXd& times) {
 
 MotionSamples resampled(const MotionSamples& motion, double rate) {
   const double length = motion.time[motion.rows() - 1] - motion.time[0];
-  // Memory for wanted, actual and measured positions, velocities, accelerations and torques.
+  // The memory of wanted, actual and measured positions, velocities, accelerations and torques bounds the
+  // number of rows.
   const double most = std::floor(most_rows(12.0 * static_cast<double>(motion.joints())));
   require(length * rate >= 1.0 && length * rate < most, "simulation: found a sample rate of ", rate,
           " Hz for ", length, " s, expected one that makes two rows at least and fewer than ", most,

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kShare = 0.1;  // of the standard deviation
+constexpr double kShare = 0.1;  // smallest inertia as a share of its standard deviation
 
 }  // namespace
 

@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kWaves = 12;
-constexpr double kSlowestWave = 0.05;  // [Hz]
+constexpr double kSlowestWave = 0.05;  // [Hz] lowest frequency of the tracking deviation
 constexpr double kFastestWave = 0.5;
 constexpr double kFadeSeconds = 1.0;
 
@@ -56,8 +56,8 @@ Wave random_waves(const VectorXd& time, double rms, RandomNumbers& random) {
   return sum;
 }
 
-// Rises from 0 to 1 in the first second and falls back in the last one, smooth up to the second
-// derivative: 10 u^3 - 15 u^4 + 6 u^5. Shorter recordings use half their length for each.
+// A factor that rises from 0 to 1 in the first second and falls back in the last one, smooth up to the second
+// derivative: 10 u^3 - 15 u^4 + 6 u^5. In shorter recordings each of the two takes half of the duration.
 Wave fade_in_and_out(const VectorXd& time) {
   const Eigen::Index rows = time.size();
   const double end = time[rows - 1];
@@ -89,14 +89,14 @@ void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index join
   }
 }
 
-// Makes every row show the state shortly before its time.
+// Replaces the values of every row by those shortly before its time.
 void delay_rows(const SensorNoise& noise, unsigned seed, MotionSamples& motion, MatrixXd& tau) {
   const VectorXd time = motion.time;
   VectorXd shown = time;
   RandomNumbers random = stream(seed, kLate, 0);
   for (Eigen::Index k = 0; k < time.size(); ++k) {
     shown[k] -= noise.delay + noise.late * std::abs(random.normal());
-    // Rows never go back in time.
+    // The instant of a row is never before that of the previous row.
     shown[k] = std::max(shown[k], k > 0 ? shown[k - 1] : time[0]);
   }
   motion = motion_at(motion, shown);
@@ -116,7 +116,7 @@ class Runs {
  public:
   Runs(double share, double length, RandomNumbers random)
       : stays_(1.0 - 1.0 / length), random_(std::move(random)) {
-    // Stationary share = begins / (begins + ends).
+    // Probabilities per row, whose stationary share is begins / (begins + ends).
     begins_ = length > 1.0 ? share / (length * (1.0 - share)) : share;
     if (length == 1.0) stays_ = share;  // isolated rows
   }

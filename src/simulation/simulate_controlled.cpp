@@ -22,7 +22,7 @@ ControlledRecording simulate_controlled(const Model& arm, const MotionSamples& w
                                         const ControlledOptions& options) {
   const PerturbedArm injected = inject_effects(arm, options.recording.hidden);
   LoopOptions loop = options.loop;
-  // The controller is tuned on the known arm, without the hidden effects.
+  // The default gains are tuned for the arm without the hidden effects.
   if (loop.gains.p.size() == 0) loop.gains = sensible_gains(arm);
   loop.sensors.encoder_step = encoder_steps(arm, options.recording.noise);
   loop.contacts = injected.contacts;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kBlank = " \t\r";
 
-// Blanks around a field are removed; those inside it are kept.
+// Splits a line into fields; blanks around a field are removed, those inside it are kept.
 std::vector<std::string> fields(const std::string& line) {
   std::vector<std::string> out = split(line, ',');
   for (std::string& field : out) {

@@ -47,7 +47,7 @@ std::vector<std::string> signal_names(const std::string& option, const std::stri
   for (const RecordingSignal& signal : kRecordingSignals) known.emplace_back(signal.name);
   std::vector<std::string> names = CLI::detail::split(words, ',');
   for (const std::string& name : names) {
-    // "tau" of all joints, or "tau2" of one.
+    // A signal of all joints has no number, as "tau"; that of one joint has one, as "tau2".
     const std::string signal = name.substr(0, name.find_last_not_of("0123456789") + 1);
     const bool of_joint = signal != name && signal != "t";
     if (std::find(known.begin(), known.end(), of_joint ? signal : name) != known.end()) continue;
@@ -166,7 +166,7 @@ void require_writable(const std::string& path) {
   const bool exists = ::stat(path.c_str(), &there) == 0;
   require(!exists || !S_ISDIR(there.st_mode), path,
           ": cannot be written: found a folder, expected a file name.");
-  // Opening a pipe and closing it would end the pipe for its reader.
+  // A pipe is not opened, since closing it would end it for its reader.
   if (exists && !S_ISREG(there.st_mode)) {
     require(::access(path.c_str(), W_OK) == 0, path, ": cannot be written: no permission.");
     return;

@@ -8,7 +8,7 @@
 namespace veridyn::cli {
 
 /// Command lines that show a command at work, each with its purpose.
-/// @param command  in full, as `veridyn dvrk run`; empty for an unknown one
+/// @param command  full name, such as `veridyn dvrk run`; the result for an unknown one is empty
 std::vector<ManualPage::Entry> examples_of(const std::string& command);
 
 }  // namespace veridyn::cli

@@ -40,7 +40,7 @@ const CLI::App& command_named(const CLI::App& tool, const std::vector<std::strin
   return *command;
 }
 
-// Help of all commands, including those of installed packages in their places.
+// Help of all commands in the order of the list, including those of installed packages.
 std::vector<CommandHelp> complete_help(const CLI::App& tool) {
   std::vector<CommandHelp> out;
   for (CommandHelp& own : help_of(tool)) {

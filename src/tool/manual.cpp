@@ -26,8 +26,8 @@ std::string names_of(const CLI::Option& option) {
   return value.find_first_not_of(' ') == std::string::npos ? names : names + " " + value;
 }
 
-// The default value in parentheses, where there is one and the description does not state it. Zero
-// and negative numbers often stand for "not given"; a description that gives 0 a meaning shows it.
+// The default value in parentheses, or empty if the description states it. Negative numbers, and zero unless
+// the description explains it, often stand for "not given" and are omitted too.
 std::string default_of(const CLI::Option& option) {
   const std::string& value = option.get_default_str();
   const std::string& words = option.get_description();
@@ -45,7 +45,7 @@ std::vector<const CLI::App*> subcommands_of(const CLI::App& command) {
   return command.get_subcommands([](const CLI::App*) { return true; });
 }
 
-// Visits a command and all below it, with their names in full.
+// Visits a command and all commands below it, with their full names.
 template <typename Visit>
 void for_each_command(const CLI::App& command, const std::string& name, const Visit& visit) {
   visit(command, name);
@@ -59,7 +59,7 @@ size_t terminal_width() {
   return terminal ? std::clamp<size_t>(size.ws_col, 60, 120) : 100;
 }
 
-// Words in lines of at most `width` characters; lines after the first begin with `indent` spaces.
+// Wraps words to lines of at most `width` characters; lines after the first begin with `indent` spaces.
 std::string wrapped(const std::string& words, size_t column, size_t indent, size_t width) {
   std::string out;
   for (const std::string& word : CLI::detail::split(words, ' ')) {
@@ -84,7 +84,7 @@ std::string entry_text(const ManualPage::Entry& entry, size_t width) {
   return out + wrapped(entry.text, kTextColumn, kTextColumn, width) + "\n";
 }
 
-// Text of a man page (groff): a backslash and a leading dot or quote are commands there.
+// Escapes text for a man page (groff), in which a backslash and a leading dot or quote are commands.
 std::string roff(const std::string& words) {
   std::string out;
   bool begins = true;

@@ -9,15 +9,15 @@ namespace veridyn::cli {
 /// Help of one command. The terminal, the man pages and the reference of `make docs` show the same text.
 struct ManualPage {
   struct Entry {
-    std::string names;  ///< with the value, as `--rate HZ`
+    std::string names;  ///< name with the value, such as `--rate HZ`
     std::string text;   ///< description and default value
   };
   struct Section {
     std::string title;
     std::vector<Entry> entries;
   };
-  std::string name;     ///< in full, as `veridyn dvrk run`
-  std::string summary;  ///< one line
+  std::string name;     ///< full name, such as `veridyn dvrk run`
+  std::string summary;  ///< summary in one line
   std::string usage;    ///< command line with its required options
   std::vector<Section> sections;
   std::string notes;            ///< preformatted lines after the options; may be empty
@@ -25,7 +25,7 @@ struct ManualPage {
 };
 
 /// Help of a command.
-/// @param name  the command in full, as `veridyn dvrk run`
+/// @param name  full name of the command, such as `veridyn dvrk run`
 ManualPage manual_page(const CLI::App& command, const std::string& name);
 
 /// The page wrapped to the terminal's width, 100 columns where the output is not a terminal.
@@ -35,13 +35,13 @@ std::string terminal_text(const ManualPage& page);
 /// Call it before subcommands are added: these inherit it.
 void show_manual_as_help(CLI::App& tool);
 
-/// A page with the words that follow the command on a command line.
+/// The help of a command, with the words after it on a command line.
 struct CommandHelp {
   ManualPage page;
   std::vector<std::string> commands, options;
 };
 
-/// Help of the tool and of all its commands, each before those below it.
+/// Help of the tool and of all its commands, each before its subcommands.
 std::vector<CommandHelp> help_of(const CLI::App& tool);
 
 /// Help in the format that programs of packages print with --describe.

@@ -16,11 +16,11 @@ namespace veridyn::cli {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr double kFirstEstimate = 0.1;  // share of the work before the first estimate
-constexpr double kShort = 3.0;          // [s] of work without an estimate
+constexpr double kFirstEstimate = 0.1;  // share of the work that must be done before the first estimate
+constexpr double kShort = 3.0;          // [s] work before the first estimate
 constexpr double kRedraw = 0.05;        // [s] between two drawings of a bar
 constexpr double kQuietFor = 2.0;       // [s] between two plain lines of one stage
-constexpr std::size_t kLongest = 100;   // characters of an activity next to a bar, which has to fit into one line
+constexpr std::size_t kLongest = 100;   // largest number of characters of an activity beside a bar, in one line
 const char* const kClearLine = "\r\033[K";
 
 bool on_terminal() {
@@ -39,7 +39,7 @@ void to_standard_error(fmt::format_string<Parts...> format, Parts&&... parts) {
   std::fputs(fmt::format(format, std::forward<Parts>(parts)...).c_str(), stderr);
 }
 
-// The remaining time, once enough is done.
+// Estimates the remaining time, once enough work is done.
 class Estimate {
  public:
   std::string left(double done) const {
@@ -75,8 +75,7 @@ class Bar {
   std::optional<Clock::time_point> drawn_;
 };
 
-// Prints one line for every stage (the part of the activity before its colon), and further lines from time to
-// time.
+// Prints one line for every stage (the part of the activity before its colon), and further lines from time to time.
 class Lines {
  public:
   void operator()(const std::string& what, double share) {

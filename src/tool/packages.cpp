@@ -42,13 +42,14 @@ bool is_help(const std::string& argument) {
   return argument == "--help" || argument == "-h";
 }
 
-// True for "--option" and "--option=value", and for "--begin-" with every option that begins with it.
+// True if an argument is "--option" or "--option=value"; the word "--begin-" matches all options that begin
+// with it.
 bool matches(const std::string& argument, const std::string& word) {
   if (argument.rfind(word, 0) != 0) return false;
   return argument.size() == word.size() || word.back() == '-' || argument[word.size()] == '=';
 }
 
-// The first argument by which the call belongs to the package; empty if there is none.
+// The first argument that makes the call one of the package; empty if there is none.
 std::string matching_argument(const PackageCommand& row, const std::vector<std::string>& arguments) {
   for (std::size_t k = 1; k < arguments.size(); ++k) {
     for (const std::string& word : row.words)

@@ -54,7 +54,7 @@ int run_and_report_errors(const Work& work) {
     return status;
   } catch (const InvalidInput& error) {
     print_message(with_reason(error.what()));
-    // An error that begins with an option is a bad value of that option, detected later.
+    // An error that begins with an option is reported as wrong usage: its value was refused after parsing.
     return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
   } catch (const std::bad_alloc&) {
     print_message("out of memory.");
@@ -65,15 +65,16 @@ int run_and_report_errors(const Work& work) {
   }
 }
 
-// If a standard stream is closed, the next file to be opened would get its number, and receive the messages
-// for that stream. The null device is opened in its place, such that using it fails as before.
+// Opens the null device in place of a closed standard stream. Otherwise the next file to be opened would get
+// its number and receive the messages for that stream.
 void hold_places_of_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
 }
 
-// A large recording is mapped into memory; access to pages that another program has truncated is a fault.
+// Handles SIGBUS: a large recording is mapped into memory, and access to pages that another program has
+// truncated is a fault.
 void handle_truncated_files() {
   struct sigaction action {};
   action.sa_handler = [](int) {
@@ -84,7 +85,7 @@ void handle_truncated_files() {
   ::sigaction(SIGBUS, &action, nullptr);
 }
 
-// The command of a program, from its name: "cooperate" for ".../veridyn-cooperate".
+// The command of a program from its path: "cooperate" for ".../veridyn-cooperate".
 std::string command_of(const std::string& program) {
   const std::string name = program.substr(program.rfind('/') + 1);
   return name.substr(name.find('-') + 1);
@@ -130,7 +131,7 @@ int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) 
     } else {
       words.insert(words.begin(), command_of(argc > 0 ? argv[0] : ""));
     }
-    if (words.back() == "--version") words = {"--version"};  // the version of the package, also for a command with subcommands
+    if (words.back() == "--version") words = {"--version"};  // the package's version, also for subcommands
     return run(commands, words);
   });
 }

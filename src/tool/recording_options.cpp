@@ -153,12 +153,13 @@ void check_recordings(const Model& arm, const std::vector<std::string>& recordin
                         const PreprocessingOptions& how, int threads) {
   const std::vector<RecordingQuality> seen = quick_quality(arm, recordings, how, threads);
   report_facts(seen);
-  std::map<std::string, std::pair<std::string, int>> kinds;  // for each kind of warning its text and the number of further ones
+  std::map<std::string, std::pair<std::string, int>> kinds;  // text of each kind of warning, and number of further
+                                                             // ones
   const auto in_all = [&](const std::string& finding) { return std::all_of(seen.begin(), seen.end(), [&](const RecordingQuality& q) { return q.find(finding) != nullptr; }); };
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
-      // The reader itself reports a recording with hardly any usable row.
-      const bool dead_joint = f.finding == "zero_signal" && f.joint != 0;  // one of several joints: recordings with zeros alone are refused
+      // A recording with hardly any usable row is reported by its reader.
+      const bool dead_joint = f.finding == "zero_signal" && f.joint != 0;  // one joint of several
       const bool no_number = f.joint != 0 && f.share == 1.0;
       if (f.finding == "no_torque" || f.finding == "short_recording" || (f.finding == "zero_signal" && f.joint == 0)) {
         explain_refusal(quality.file, f.sentence);

@@ -13,7 +13,7 @@ namespace veridyn::cli {
 
 struct CommonOptions;
 
-/// Heading in the help for options of reading recordings.
+/// Heading in the help for options that concern the reading of recordings.
 inline constexpr const char* kRecordings = "Recordings";
 
 /// Adds --topic, --map and --units.
@@ -39,8 +39,8 @@ std::vector<std::string> options_for_given(const PreprocessingOptions& how,
 /// Reports matched joints and remarks of the readers.
 void report_facts(const std::vector<RecordingQuality>& recordings);
 
-/// Checks the first rows of every recording: reports matched joints, remarks of the reader, and
-/// recordings that seem to be in degrees or millimetres.
+/// Checks the first rows of every recording: reports matched joints, remarks of the reader, and recordings that
+/// are probably in degrees or millimetres.
 void check_recordings(const Model& arm, const std::vector<std::string>& recordings,
                         const PreprocessingOptions& how, int threads);
 

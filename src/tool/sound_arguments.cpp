@@ -50,7 +50,7 @@ void expect_finite(const std::string& name, const std::string& word) {
     throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
 }
 
-// True if the file may have topics: anything but a plain table t,q1,...
+// True if the file may have topics: it is not a plain table t,q1,...
 bool may_have_topics(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return true;  // a pipe
@@ -60,7 +60,7 @@ bool may_have_topics(const std::string& path) {
     CsvLines lines(std::move(*file.bytes));
     return recordings::table_header(lines, {}).has_value();
   } catch (const InvalidInput&) {
-    return true;  // the reader reports the reason
+    return true;  // unreadable files are reported by the reader
   }
 }
 
@@ -95,7 +95,7 @@ void check_command_arguments(const CLI::App& command) {
         throw CLI::ValidationError(name, "found an empty word, expected " +
                                              (option->get_option_text().empty() ? "a value" : option->get_option_text()));
       if (is_output(*option)) {
-        // A device may receive several outputs.
+        // Several outputs may go to one device.
         std::error_code error;
         if (!fs::exists(word, error) || fs::is_regular_file(word, error))
           outputs.push_back({name, place(word)});

@@ -23,14 +23,14 @@ std::vector<std::string> command_names(const CLI::App& tool) {
   return names;
 }
 
-// The command that the user meant, such as `calibrate links` within calibrate, with its full name.
+// The command that the user meant, such as `calibrate links`, with its full name.
 struct Meant {
   const CLI::App* command;
   std::string name = "veridyn";
   std::string odd;  // first argument that was not understood
 };
 
-// Options come first among the arguments that were not understood, because they affect the others.
+// The first argument that was not understood; options are preferred, since they affect the meaning of the others.
 std::string unexpected_argument(const CLI::App& command) {
   const std::vector<std::string> rest = command.remaining();
   for (const std::string& word : rest) {
@@ -49,7 +49,7 @@ Meant intended_command(const CLI::App& tool) {
   return out;
 }
 
-// Description of an option's value: "a whole number", unless its type has a better name.
+// Words for the values that an option expects: "a whole number".
 std::string kind_of(const CLI::Option* option) {
   const std::string type = option == nullptr ? "" : option->get_type_name();
   if (type.find("NONNEGATIVE") != std::string::npos) return "a number that is not negative";
@@ -60,7 +60,7 @@ std::string kind_of(const CLI::Option* option) {
   return "a value of another kind";
 }
 
-// "0.500000" as "0.5".
+// Removes trailing zeros: "0.5" for "0.500000".
 std::string trimmed_number(const std::string& number) {
   const bool decimals = number.find('.') != std::string::npos;
   std::string out = decimals ? number.substr(0, number.find_last_not_of('0') + 1) : number;
@@ -68,7 +68,7 @@ std::string trimmed_number(const std::string& number) {
   return out;
 }
 
-// The parser's message in the form "found ..., expected ...".
+// Converts the parser's message to the form "found ..., expected ...".
 std::string found_and_expected(const CLI::App& command, const std::string& words) {
   static const std::regex kRange("^(.*): Value (.*) not in range (\\S+) to (\\S+)$");
   static const std::regex kOneOf("^(.*): (.*) not in \\{(.*)\\}$");

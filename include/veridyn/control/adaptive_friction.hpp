@@ -8,20 +8,21 @@ namespace veridyn {
 
 struct AdaptiveFrictionOptions {
   bool enabled = false;  ///< off by default
-  double rate = 0.5;     ///< [1/s] of motion
+  double rate = 0.5;     ///< [1/s] rate of forgetting and of adaptation; time counts in motion only
   double least = 0.0;    ///< lower bound of k, as a share of the identified friction
   double most = 2.0;
-  Deadband velocity{0.01, 0.005};  ///< deadband of the speed, within which k is not updated
+  Deadband velocity{0.01, 0.005};  ///< deadband of the axis' velocity; k is not updated within it
 };
 
-/// Online update of friction (an outlook of the thesis, chapter 8): grease ages and warms. The torque
-/// that an axis needs beside that of the model's bodies, in motion, is
+/// Online update of friction, which changes as grease ages and warms (proposed in the outlook of the thesis,
+/// chapter 8). In motion, an axis needs, in addition to the torque of the model's bodies,
 ///
 ///   y = compensation + missing = k* F(direction, v) + b + c s,
 ///
-/// where k* is the share of the identified friction F that the arm has, s the place, and b + c s every
-/// other error of the model near it, mainly gravity. Least squares over the last 1 / rate seconds of
-/// motion (exponential forgetting) estimate k*, b and c, and the compensated share k follows:
+/// where k* is the ratio of the arm's present friction to the identified friction F, s the position of the
+/// axis, and b + c s every other error of the model near this position, mainly gravity. Least squares over the
+/// last 1 / rate seconds of motion (exponential forgetting) estimate k*, b and c, and the compensated share k
+/// follows:
 ///
 ///   dk/dt = rate (clamp(estimate of k*, least, most) - k).
 ///
@@ -30,9 +31,9 @@ struct AdaptiveFrictionOptions {
 /// k* + sum(w r e) / sum(w r^2), with w the weights of the forgetting and r the part of F that
 /// b + c s do not explain. Without e it is k* exactly, and |k - k*| falls as exp(-rate t) if k* lies
 /// within the bounds. With an e of root mean square E, the error of the estimate is at most
-/// E / rms(r), by Cauchy and Schwarz. Excitation: motion in one direction only, or in a direction that
-/// depends on the place, makes r vanish. k rests unless sum(w r^2) exceeds a fifth of sum(w F^2), so
-/// that E / rms(r) < sqrt(5) E / rms(F). Source: Slotine and Li, Applied Nonlinear Control, 1991,
+/// E / rms(r), by Cauchy and Schwarz. Excitation: motion in one direction only, or in a direction that depends
+/// on the position, makes r vanish. k stays constant unless sum(w r^2) exceeds a fifth of sum(w F^2), so that E
+/// / rms(r) < sqrt(5) E / rms(F). Source: Slotine and Li, Applied Nonlinear Control, 1991,
 /// section 8.7 (least squares with exponential forgetting, persistent excitation).
 ///
 ///   AdaptiveFriction adaptive(friction, options);   // options.enabled = true
@@ -55,11 +56,11 @@ class AdaptiveFriction {
  private:
   struct Learned {
     double share = 1.0;
-    double speed = 0.0;    // at the previous update
+    double speed = 0.0;    // value at the previous update
     double applied = 0.0;  // compensation since the previous update
-    double place = 0.0;    // reference of s
+    double place = 0.0;    // s is counted from this position
     bool first = true;
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // information of F, 1, s
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // information matrix of the columns F, 1, s
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
   };
   void adapt(Learned& axis, double force, double s, double needed, double dt) const noexcept;

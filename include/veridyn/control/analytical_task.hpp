@@ -9,13 +9,13 @@ namespace veridyn {
 /// Roll, pitch, yaw [rad] of R = Rz(yaw) Ry(pitch) Rx(roll), pitch within +-pi/2.
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) noexcept;
 
-/// Rz(yaw) Ry(pitch) Rx(roll).
+/// The rotation Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& roll_pitch_yaw) noexcept;
 
 /// omega = T(angles) d(angles)/dt, written in the frame that the angles refer to.
 Eigen::Matrix3d angle_rates_to_omega(const Eigen::Vector3d& roll_pitch_yaw) noexcept;
 
-/// dT/dt.
+/// The time derivative dT/dt of angle_rates_to_omega(), from the angles [rad] and their rates [rad/s].
 Eigen::Matrix3d angle_rates_to_omega_rate(const Eigen::Vector3d& roll_pitch_yaw,
                                           const Eigen::Vector3d& rates) noexcept;
 
@@ -46,7 +46,7 @@ class AnalyticalTask {
   const MatrixXd& jacobian_rate() const { return dJ_; }  ///< dJ_a/dt, (6 x n)
   const Eigen::Matrix<double, 6, 6>& T_A() const { return T_A_; }
 
-  /// h_a of a wrench [force; moment] about the tip, written in the world.
+  /// Converts a wrench [force; moment] about the tip, written in the world, to h_a.
   Vector6d wrench(const Vector6d& h_world) const noexcept;
 
   /// x_d - x with angles wrapped to +-pi.

@@ -5,7 +5,8 @@
 
 namespace veridyn {
 
-/// Reference of the joints, (n) each.
+/// Reference of the joints, (n) each: positions [rad], velocities [rad/s] and accelerations [rad/s^2]; metres
+/// where a joint is prismatic.
 struct JointReference {
   explicit JointReference(int joints) : q(VectorXd::Zero(joints)), dq(q), ddq(q) {}
   VectorXd q, dq, ddq;

@@ -16,15 +16,15 @@ namespace veridyn {
 
 /// Signals of an arm's sensors in one cycle.
 struct Measured {
-  /// Positions alone, without a force sensor.
+  /// Zero positions, without velocities and without a force sensor.
   explicit Measured(int joints) : q(VectorXd::Zero(joints)) {}
-  VectorXd q;   ///< (n) as measured by the encoders [rad], [m]
+  VectorXd q;   ///< (n) encoder positions [rad], [m]
   VectorXd dq;  ///< (n) [rad/s], [m/s]; empty: those of the velocity observer
-  double age = 0.0;        ///< [s] of the positions
-  double age_range = 0.0;  ///< [s] by which they may be younger, see SafetyInput::sensor_age_range
-  /// [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
+  double age = 0.0;        ///< [s] age of the positions
+  double age_range = 0.0;  ///< [s] positions may be younger by this, see SafetyInput::sensor_age_range
+  /// Wrench [force; moment] that the tip exerts on the world, about the tip and in world axes [N, N m].
   Vector6d wrench{Vector6d::Zero()};
-  double wrench_age = 0.0;  ///< [s]
+  double wrench_age = 0.0;  ///< [s] age of the wrench
 };
 
 /// Layers below a law that check and limit its torque.
@@ -33,19 +33,19 @@ enum class Supervision {
   kLimits       ///< torques are limited, and nothing else is checked: for simulation
 };
 
-/// Positions and torques at either end of a cycle.
+/// Convention of a cycle's positions and torques: with or without the errors of the sensors and drives.
 enum class Signals {
-  kOfSensors,  ///< in the scales of the model's sensors and drives, see JointSensors
-  kTrue        ///< true ones: the caller removes the errors of sensors, or there are none
+  kOfSensors,  ///< uncorrected: in the scales of the model's sensors and drives, see JointSensors
+  kTrue        ///< true values: the caller corrects sensor errors, or there are none
 };
 
 /// Settings of the observers, the compensation and the supervision around a control law.
 struct CycleOptions {
-  double velocity_bandwidth = 300.0;  ///< [1/s] of VelocityObserver
+  double velocity_bandwidth = 300.0;  ///< [1/s] bandwidth of VelocityObserver
   FrictionOptions friction{};         ///< share 0: friction is not compensated
-  double error_bandwidth = 10.0;      ///< [1/s] of ModelErrorObserver; 0: it is off
-  /// Largest torque of that observer [N m], [N]; nullopt: the model's uncertainty in the
-  /// present motion, see TorqueUncertainty.
+  double error_bandwidth = 10.0;      ///< [1/s] bandwidth of ModelErrorObserver; 0: off
+  /// Largest torque of ModelErrorObserver [N m], [N]; nullopt: the model's uncertainty in the present motion,
+  /// see TorqueUncertainty.
   std::optional<Gain> error_limit{};
   /// Limits of the supervisor; nullopt: those of the robot file, see safety_limits().
   std::optional<SafetyLimits> limits{};
@@ -60,9 +60,9 @@ struct CycleOptions {
 struct ControllerFault {
   SafetyFault what = SafetyFault::kNone;
   std::optional<JointIndex> joint;  ///< nullopt: the fault concerns no single joint
-  double time = 0.0;                ///< [s] since the controller was made or reset
+  double time = 0.0;                ///< [s] time since the controller was made or reset
 };
-/// "position limit of joint 2 at 1.204 s"; joints count from 1.
+/// Writes "position limit of joint 2 at 1.204 s"; joints count from 1.
 std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
 
 /// The tip, or default_tip() if it has no frame. @throws InvalidInput  the arm has no joints.
@@ -95,12 +95,12 @@ class ControlCycle {
 
   /// Sets the torque of the law (n) [N m], [N].
   void command(const VectorXd& tau) noexcept { tau_ = tau; }
-  /// Positions (n) with which the supervisor compares the measured ones in this cycle.
+  /// Sets the positions (n) with which the supervisor compares the measured ones in this cycle.
   void track(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
-  /// As FrictionCompensation::update().
+  /// Adds FrictionCompensation::update() with these arguments to the command.
   void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
-  /// @param y  (n) acceleration that the torque would cause if the model were exact. A cycle without this
-  /// call clears the observer.
+  /// Adds the torque of ModelErrorObserver to the command; without this call the cycle clears the observer.
+  /// @param y  (n) acceleration that the torque would cause if the model were exact.
   void add_model_error(const VectorXd& y) noexcept;
   /// Replaces the command of this cycle by gravity compensation and a little damping, so that the arm yields.
   /// Clears the observer.
@@ -109,20 +109,20 @@ class ControlCycle {
   /// Ends a cycle. @returns (n) torques in the scale of the drives, always finite and within limits.
   const VectorXd& send() noexcept;
 
-  /// Call it before the next cycle if other limits follow send(): (n) torques that the drives produced, in
-  /// their scale.
+  /// Sets the torques (n) that the drives produced, in their scale. Call it before the next cycle if the result
+  /// of send() is limited further.
   void sent(const VectorXd& drive_torques) noexcept;
 
-  /// Brakes by the supervisor and holds the arm where it stops, until resume(). False, and without effect, in
-  /// a fault or without a supervisor.
+  /// The supervisor brakes the arm and holds it where it stops, until resume(). Returns false, and does
+  /// nothing, during a fault or without a supervisor.
   bool hold() noexcept;
-  /// give_way() in every cycle until resume().
+  /// Calls give_way() in every cycle until resume().
   void limp() noexcept;
   /// Ends hold() and limp(). The reference must then begin at the arm's position.
   void resume() noexcept;
-  /// Clears the observers' estimates, as while the motors are off. A fault remains.
+  /// Clears the observers' estimates, for example while the motors are off. A fault remains.
   void reset_observers() noexcept;
-  /// Clears a fault as well, and restarts the time of faults.
+  /// Clears a fault too, and restarts the time that ControllerFault contains.
   void reset() noexcept;
   /// Switches the motors off: zero torques and no checks until reset(). Clears a fault.
   void disable() noexcept;
@@ -131,7 +131,7 @@ class ControlCycle {
   std::optional<ControllerFault> fault() const noexcept;
 
   int joints() const { return state_.joints(); }
-  const ArmState& state() const { return state_; }  ///< with true positions
+  const ArmState& state() const { return state_; }  ///< evaluated at true positions
   /// Measured wrench of this cycle.
   const Vector6d& wrench() const { return wrench_; }
   const JointSensors& sensors() const { return sensors_; }
@@ -155,7 +155,7 @@ class ControlCycle {
   SafetyFault known_ = SafetyFault::kNone;
   double dt_ = 0.0, time_ = 0.0, fault_time_ = 0.0;  // [s]
   bool observes_ = false;  // ModelErrorObserver is on
-  bool observed_ = false;  // it was used in this cycle
+  bool observed_ = false;  // add_model_error() was called in this cycle
   bool limp_ = false, off_ = false;
   Vector6d wrench_{Vector6d::Zero()};
   int until_limit_ = 0;    // cycles until the observer's limit is evaluated again

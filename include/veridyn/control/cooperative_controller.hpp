@@ -18,14 +18,14 @@ struct CooperativeOptions {
   std::vector<Eigen::Matrix3d> R_world_arm;  ///< axes of each arm's base; one entry for each arm
   int leader = 0;
   std::vector<CooperativeMember> members;
-  double period = 1e-3;  ///< [s] of update()
+  double period = 1e-3;  ///< [s] interval between calls of update()
 
   // Bounds that end the task; every target is then held, see CooperativeState.
   double largest_force = 20.0;        ///< [N] reading of any member
   double largest_force_error = 20.0;  ///< [N] deviation of a reading from h_d
   double largest_age = 0.02;          ///< [s] age of a reading
-  /// [m] deviation of any tip from its path, beyond the stretch of its members under the wanted
-  /// force, as far as known
+  /// [m] deviation of any tip from its path, in addition to the stretch of its members under the wanted force
+  /// where their stiffness is known
   double largest_error = 0.02;
   /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
   /// member's length explains; checked where its stiffness is known.
@@ -43,13 +43,13 @@ struct CooperativeOptions {
   /// [J] largest energy that arms may feed into a member beyond the planned work
   /// (PassivityMonitor); an oscillating loop or a falling arm feeds more.
   double largest_energy = std::numeric_limits<double>::infinity();
-  double stop_duration = 0.1;  ///< [s] in which the motion stops
-  double relief_force = 5.0;   ///< [N] reading beyond which ends yield while targets are held,
-  double relief_gain = 0.02;   ///< [m/(N s)] rate of yielding per newton beyond it,
-  double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; no yielding with a failed sensor
-  /// While targets are held: prevents a falling arm from jerking members.
+  double stop_duration = 0.1;  ///< [s] duration of stopping the motion
+  double relief_force = 5.0;   ///< [N] a reading beyond it makes the ends yield while targets are held
+  double relief_gain = 0.02;   ///< [m/(N s)] speed of yielding per newton above relief_force
+  double relief_speed = 0.2;   ///< [m/s] largest speed of yielding; ends do not yield if a sensor has failed
+  /// True: a TetherGuard moves the other ends while targets are held, so that a falling arm does not jerk members.
   bool guard = true;
-  TetherGuardOptions tether;  ///< its period is the controller's
+  TetherGuardOptions tether;  ///< options of the guard; its period is replaced by that of the controller
 };
 
 /// Measurements of one update(); sized by the controller's constructor.
@@ -60,7 +60,7 @@ struct CooperativeInput {
         healthy(static_cast<size_t>(arms), 1),
         located(healthy),
         force(static_cast<size_t>(members)) {}
-  std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
+  std::vector<Eigen::Vector3d> position;  ///< [m] position of each tip in the world
   std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
   std::vector<char> healthy;              ///< 0: this arm no longer follows its targets
   std::vector<char> located;  ///< 0: its position is unknown, and `position` holds an old value
@@ -71,8 +71,8 @@ struct CooperativeInput {
 struct TipTarget {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): motion and force [m]
   Eigen::Vector3d motion{Eigen::Vector3d::Zero()};  ///< x_d: reference of the motion alone [m]
-  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] of x_d
-  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] of x_d
+  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] derivative of x_d
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] second derivative of x_d
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
   /// Part of position, velocity and acceleration by which the tip retreats while targets are held,
   /// for arms that otherwise hold their own position.
@@ -83,7 +83,7 @@ struct TipTarget {
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
-  /// Deviates from the wanted force by more than largest_force_error, as when a member is slack.
+  /// A reading deviates from the wanted force by more than largest_force_error, for example if a member is slack.
   kForceMissed,
   kSensorStale,
   kSensorStuck,
@@ -95,7 +95,7 @@ enum class CooperativeState {
   kNotFinite
 };
 
-/// "holds: a force sensor's samples are too old".
+/// Text such as "holds: a force sensor's samples are too old".
 const char* describe(CooperativeState state);
 
 /// Several arms move one object and control the forces in it (thesis 6.2 to 6.4 and 7.10 to 7.12,
@@ -130,7 +130,7 @@ class CooperativeController {
   /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes. False
   /// during another rotation.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
-  /// Moves every follower away from the centroid, (6.4) with the sign that pulls.
+  /// Moves every follower by `by` [m] away from the centroid: (6.4), with the sign for which positive values pull.
   bool expand_grasp(double by, double duration) noexcept;
   /// Moves one arm relative to the object, for regrasping; in the world [m].
   bool move_arm(int arm, const Eigen::Vector3d& displacement, double duration) noexcept;
@@ -144,7 +144,7 @@ class CooperativeController {
   /// Clears the state that ended the task; targets start at the tips.
   void restart(const std::vector<Eigen::Vector3d>& tips) noexcept;
 
-  /// Vectors have the sizes of the constructor; debug builds assert it.
+  /// Computes the targets of one cycle. Vectors have the sizes of the constructor; debug builds assert it.
   const std::vector<TipTarget>& update(const CooperativeInput& input) noexcept;
 
   CooperativeState state() const { return state_; }
@@ -163,8 +163,7 @@ class CooperativeController {
   Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
   Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   double relief_force() const { return options_.relief_force; }
-  /// Changes relief_force, as when a pretension is given up. [N], above zero; other values are
-  /// ignored.
+  /// Sets relief_force [N], for example after a pretension was removed; values that are not above zero are ignored.
   void relieve_beyond(double force) noexcept {
     if (force > 0.0) options_.relief_force = force;
   }
@@ -177,10 +176,10 @@ class CooperativeController {
   struct Watch {  // state of the checks on one sensor
     double force = 0.0, length = 0.0;
     std::optional<long> number;
-    double last_force = 0.0, last_length = 0.0;  // of the previous sample
+    double last_force = 0.0, last_length = 0.0;  // values of the previous sample
     std::optional<long> last_number;
-    double silent = 0.0;                         // [s] since the start without any
-    bool compared = false;  // the following are those of the moment when the wanted force last arrived
+    double silent = 0.0;                         // [s] time since the start without any sample
+    bool compared = false;  // true: the values below are those at the last arrival of the wanted force
     double sound_force = 0.0, sound_length = 0.0;
     Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
   };
@@ -207,7 +206,7 @@ class CooperativeController {
   std::vector<TipTarget> targets_;
   QuinticInterpolator centre_, angle_, wanted_;
   std::vector<QuinticInterpolator> grips_;                // grasp points r_i
-  std::vector<Eigen::Vector3d> relief_;  // [m] in the world, while targets are held
+  std::vector<Eigen::Vector3d> relief_;  // [m] retreat of each tip in the world, while targets are held
   // orientation at the start of the current rotation
   Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};

@@ -14,7 +14,7 @@ struct ForceLaw {
   };
   Kind kind = Kind::kProportional;
   double deadband = 0.0;   ///< [N] no change of x_f within it
-  double increment = 0.0;  ///< [m] per sample of the sensor
+  double increment = 0.0;  ///< [m] change of x_f per sample of the sensor
   /// K_f [m/(N s)]: per second, so that it does not depend on the sensor's rate
   double gain = 0.0;
   double proportional = 0.0;  ///< [m/N] proportional term in addition to the integral of (7.12)
@@ -23,7 +23,7 @@ struct ForceLaw {
   double damping = 0.0;
   double feed_forward = 0.0;  ///< [m/N] factor of h_d: 1 / K of an impedance follower
   double reach = 0.05;        ///< [m] largest |x_f|
-  double stiffness = 0.0;  ///< [N/m] of the member as far as known, for the checks of the sensor
+  double stiffness = 0.0;  ///< [N/m] estimate of the member's stiffness, for the checks of the sensor; 0: unknown
 };
 
 /// A proportional law for a member of stiffness `member_stiffness`, held by an impedance of stiffness K and
@@ -64,15 +64,15 @@ class ForceTracker {
   /// Restarts at the force [N] of the feed-forward term, without a correction.
   void reset() noexcept;
 
-  /// @param wanted  h_d [N]. @param rate  dl/dt as measured [m/s]. @param dt  [s] of the loop.
-  /// @returns change of the distance between the ends [m]; the last one if a number is not finite.
+  /// @param wanted  h_d [N]. @param rate  measured dl/dt [m/s]. @param dt  [s] period of the loop. @returns
+  ///   change of the distance between the ends [m]; the last one if a number is not finite.
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
-  /// While targets are held, without a sensor: x_f is frozen, and the damping term continues.
+  /// Freezes x_f and continues the damping term alone: for use without a sensor while targets are held.
   double hold(double wanted, double rate) noexcept;
 
   double value() const { return value_; }        ///< result of the last update() or hold()
-  double velocity() const { return velocity_; }  ///< [m/s] of x_f
+  double velocity() const { return velocity_; }  ///< [m/s] derivative of x_f
   const ForceLaw& law() const { return law_; }
 
  private:

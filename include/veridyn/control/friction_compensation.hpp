@@ -12,15 +12,14 @@ namespace veridyn {
 enum class FrictionRule {
   /// Friction in the direction of the wanted velocity; none within the velocity deadband.
   kVelocity,
-  /// Thesis 5.6.1 and listing 7.5.1 with the errata: as kVelocity; within the velocity deadband the friction
-  /// at rest in the direction of the position error, if that exceeds its own deadband.
+  /// Like kVelocity, and within the velocity deadband the friction at rest in the direction of the position
+  /// error if that exceeds its own deadband: thesis 5.6.1 and listing 7.5.1 with the errata.
   kStickSlip,
-  /// Friction with memory by its state along the measured path; other friction in the direction of the wanted
-  /// motion, without jumps.
+  /// Friction with memory is computed from its state along the measured path; other friction acts in the
+  /// direction of the wanted motion, without jumps.
   kPresliding,
-  /// The best estimate of the present friction, for observers and not for compensation: memories by
-  /// their state, other friction in the direction of the measured velocity, linear within its
-  /// deadband.
+  /// The best estimate of the present friction, for observers and not for compensation: friction with memory is
+  /// computed from its state, other friction in the direction of the measured velocity, linear within its deadband.
   kMeasured
 };
 
@@ -45,9 +44,9 @@ struct FrictionOptions {
 
 /// Compensates the identified friction of a model, according to the classes of its effects.
 ///
-/// Terms along one axis c . q form one friction. Its sliding force is that of the terms at the present
-/// position, with memories fully sheared in the direction of motion. The speed is the measured one or, if it
-/// is larger in this direction, the wanted one (listing 7.5.1, both directions).
+/// All friction terms along one axis c . q are compensated as one force. Its sliding value is that of the terms
+/// at the present position, with memories fully sheared in the direction of motion. The speed is the measured
+/// one or, if it is larger in this direction, the wanted one (listing 7.5.1, both directions).
 ///
 /// Supervision: compensation acts along the measured motion and so feeds energy into it. Each axis has an
 /// energy tank: the work of the compensation empties it, wanted motion fills it at the power of the friction
@@ -61,7 +60,7 @@ class FrictionCompensation {
   /// @throws InvalidInput  a friction effect has no values, or an option is out of range.
   explicit FrictionCompensation(const Model& arm, const FrictionOptions& options = {});
 
-  /// @param dq_wanted  (n) of the interpolator.
+  /// @param dq_wanted  (n) velocity of the reference.
   /// @param error  (n) wanted minus measured position of the joints; in Cartesian control
   ///               Impedance::joint_error().
   /// @param dt  [s] since the last update().
@@ -103,7 +102,7 @@ class FrictionCompensation {
  private:
   struct Axis {
     VectorXd c;
-    std::vector<JointCoefficient> along;  // its nonzero entries
+    std::vector<JointCoefficient> along;  // nonzero entries of c
     double offset = 0.0;
     double squared = 0.0;  // |c|^2
     bool prismatic = false;

@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// Torques that hold an arm at rest: gravity and the springs, offsets and cables of its model. For
-/// hand guiding, and as a fallback after faults that disable everything else.
+/// Computes torques that hold an arm at rest: gravity and the springs, offsets and cables of its model. They
+/// serve hand guiding, and are a fallback after faults that disable everything else.
 ///
 ///   GravityCompensation hold(arm);
 ///   tau = hold.update(q);

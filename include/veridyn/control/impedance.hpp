@@ -67,11 +67,11 @@ class Impedance {
   /// y of the last update(), (n).
   const VectorXd& acceleration() const { return y_; }
 
-  /// Joint displacement (n) that the law requires at rest: J_a# (x_d - x - K_p^-1 h_a), where K_p is not
-  /// zero. For FrictionCompensation.
+  /// Joint displacement (n) that the law requires at rest: J_a# (x_d - x - K_p^-1 h_a), where K_p is not zero.
+  /// It is an input of FrictionCompensation.
   const VectorXd& joint_error() const { return error_; }
 
-  /// J_a# dx_d, (n): the wanted velocity in joint space. For FrictionCompensation.
+  /// The wanted velocity in joint space, J_a# dx_d (n), an input of FrictionCompensation.
   const VectorXd& joint_velocity() const { return velocity_; }
 
   /// x, dx, J_a and its rate at the last update().

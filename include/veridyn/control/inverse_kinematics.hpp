@@ -15,7 +15,7 @@ struct InverseKinematicsOptions {
   double position_tolerance = 1e-7;  ///< [m] bound of |p_d - p|
   double angle_tolerance = 1e-7;     ///< [rad] bound of the angle of R_d R'
   int most_iterations = 60;
-  /// Largest change of a joint per iteration [rad], or characteristic lengths.
+  /// Largest change of a joint per iteration [rad]; of a prismatic joint in characteristic lengths.
   double longest_step = 0.4;
   TaskInverseOptions inverse{0.0, 0.02};
 };

@@ -12,14 +12,14 @@
 
 namespace veridyn {
 
-/// The present point of a path as a reference.
+/// Sets the reference to the present point of a path.
 inline void follow(const QuinticInterpolator& path, JointReference& reference) noexcept {
   reference.q = path.x();
   reference.dq = path.dx();
   reference.ddq = path.ddx();
 }
 
-/// A row of a motion with velocities and accelerations as a reference.
+/// Sets the reference to a row of a motion with velocities and accelerations.
 inline void follow(const MotionSamples& motion, Eigen::Index row, JointReference& reference) noexcept {
   reference.q = motion.q.row(row).transpose();
   reference.dq = motion.dq.row(row).transpose();
@@ -74,10 +74,10 @@ class JointController {
   /// A reference at rest at these measured positions. Allocates.
   JointReference reference_at(const Measured& measured) const;
 
-  /// As ControlCycle::sent().
+  /// Calls ControlCycle::sent().
   void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }
 
-  bool hold() noexcept { return cycle_.hold(); }   ///< as ControlCycle::hold()
+  bool hold() noexcept { return cycle_.hold(); }   ///< see ControlCycle::hold()
   void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()
   void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference must begin at the arm's position
   void reset() noexcept;  ///< clears a fault and all observers
@@ -85,7 +85,7 @@ class JointController {
   std::optional<ControllerFault> fault() const noexcept { return cycle_.fault(); }
   int joints() const { return cycle_.joints(); }
   const ControlCycle& cycle() const { return cycle_; }
-  const ArmState& state() const { return cycle_.state(); }  ///< with true positions
+  const ArmState& state() const { return cycle_.state(); }  ///< evaluated at true positions
 
  private:
   ControlCycle cycle_;

@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// tau = p e + i (integral of e) + d de/dt, per joint, with e the wanted minus the measured position.
-/// (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is prismatic.
+/// Gains of tau = p e + i (integral of e) + d de/dt for each joint, with e the wanted minus the measured
+/// position, (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is prismatic.
 struct PidGains {
   VectorXd p, i, d;
 };
@@ -23,7 +23,7 @@ class JointPid {
   /// that is negative or NaN.
   JointPid(const PidGains& gains, const PidLimits& limits = {});
 
-  /// All (n), stored vectors. @param dt  [s] since the previous call. @param tau  (n), written.
+  /// Computes tau (n). All vectors are stored ones of n entries. @param dt  [s] since the previous call.
   void torques(const VectorXd& q, const VectorXd& dq, const VectorXd& wanted_q,
                const VectorXd& wanted_dq, double dt, VectorXd& tau) noexcept;
   void reset() noexcept { integral_.setZero(); }
@@ -31,7 +31,7 @@ class JointPid {
  private:
   PidGains gains_;
   PidLimits limits_;
-  VectorXd integral_;  ///< as torque
+  VectorXd integral_;  ///< integral terms [N m], [N]
 };
 
 }  // namespace veridyn

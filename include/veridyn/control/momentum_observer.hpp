@@ -24,9 +24,10 @@ struct MomentumObserverOptions {
 ///
 /// follows the torque J' h that the arm exerts on the world, with a lag of 1 / bandwidth; no acceleration is
 /// needed. A contact is detected if |r_i| exceeds the uncertainty of the model in this motion
-/// (TorqueUncertainty) for some cycles. It is assigned to a link: coordinates beyond the touched link have no
-/// torque, so that the contact is on the first link that the outermost coordinate with a torque moves, or
-/// farther out along directions in which the joints feel nothing. Source: De Luca and Mattone, ICRA 2005.
+/// (TorqueUncertainty) for some cycles. It is assigned to a link: a contact causes no torque in the coordinates
+/// beyond the touched link. The assigned link is therefore the first that the outermost coordinate with a
+/// torque moves; the touched one may lie farther out if the force acts in a direction that causes no torque in
+/// the joints between. Source: De Luca and Mattone, ICRA 2005.
 /// Nothing allocates after the constructor.
 ///
 ///   MomentumObserver touch(arm, {"tool"});

@@ -9,7 +9,7 @@ namespace veridyn {
 
 /// Pose and motion of an object, in the world.
 struct ObjectMotion {
-  Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< [m] of its centre of mass
+  Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< [m] centre of mass
   Eigen::Matrix3d rotation{Eigen::Matrix3d::Identity()};  ///< R_world_object
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s]
   Eigen::Vector3d spin{Eigen::Vector3d::Zero()};          ///< [rad/s]
@@ -18,7 +18,7 @@ struct ObjectMotion {
 };
 
 struct ObjectImpedanceOptions {
-  double mass = 0.0;  ///< [kg] of the object's model
+  double mass = 0.0;  ///< [kg] mass of the object's model
   /// [kg m^2] about its axes, of the object's model
   Eigen::Vector3d inertia{Eigen::Vector3d::Zero()};
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< [m/s^2]
@@ -64,7 +64,7 @@ class ObjectImpedance {
   /// Sets the initial estimate.
   void reset(const ObjectMotion& motion) noexcept { now_ = motion; }
 
-  /// @param force, moment  exerted by the environment on the object, as far as known [N, N m].
+  /// Computes the hands' targets. @param force, moment  of the environment on the object, if known [N, N m].
   const std::vector<TipTarget>& update(const ObjectMotion& now, const ObjectMotion& wanted,
                                        const Eigen::Vector3d& force,
                                        const Eigen::Vector3d& moment) noexcept;

@@ -4,11 +4,10 @@
 
 namespace veridyn {
 
-/// Moves a point from its present position, velocity and acceleration to rest at a goal: each entry
-/// follows the polynomial of degree five that meets all six conditions. A new goal during a move
-/// starts from the present state, so that velocity and acceleration do not jump. Works for joint vectors and
-/// for task coordinates (Cartesian moves along a straight line; the thesis moves 5 mm in 1 s with it).
-/// Nothing allocates after the constructor.
+/// Moves a point from its present position, velocity and acceleration to rest at a goal: each entry follows the
+/// polynomial of degree five that meets all six conditions. A new goal during a move starts from the present state,
+/// so that velocity and acceleration do not jump. Works for joint vectors and for task coordinates (Cartesian moves
+/// along a straight line; the thesis moves 5 mm in 1 s with it). Nothing allocates after the constructor.
 ///
 ///   QuinticInterpolator way(x_start);
 ///   way.move_to(x_goal, 1.0);
@@ -25,7 +24,7 @@ class QuinticInterpolator {
   /// another size or an entry that is not finite, or if the duration is not above zero.
   bool move_to(const VectorXd& goal, double duration) noexcept;
 
-  /// Stops within `duration`; the goal is ahead by half of it at the present velocity.
+  /// Stops within `duration` [s], at a goal that is velocity * duration / 2 ahead of the present position.
   bool stop(double duration) noexcept;
 
   /// Advances the time by dt [s] >= 0; the point rests at the goal once it is reached.
@@ -37,7 +36,7 @@ class QuinticInterpolator {
   const VectorXd& ddx() const { return ddx_; }
   const VectorXd& goal() const { return goal_; }
 
-  /// Duration of a move from rest over `distance` within a velocity and an acceleration.
+  /// Duration [s] of a move from rest over `distance` with bounded velocity and acceleration.
   static double duration_for(double distance, double velocity, double acceleration) noexcept;
 
  private:

@@ -13,10 +13,10 @@ namespace veridyn {
 enum class SafetyState {
   kDisabled,  ///< motors off
   kHoming,    ///< the controller moves the arm, at reduced speed
-  kReady,     ///< at rest, ready for activate()
+  kReady,     ///< the arm rests, and activate() is allowed
   kActive,    ///< the controller moves the arm
   kHolding,   ///< holds position on command; activate() continues
-  kFault      ///< the safe action of the fault, until reset()
+  kFault      ///< the safe action of the fault is applied, until reset()
 };
 
 /// Cause of a fault. The first check that fails sets it: sensors first, then motors, motion, force.
@@ -25,14 +25,14 @@ enum class SafetyFault {
   kNotFinite,    ///< a position, a velocity or a time is NaN or infinite
   kSensorAge,    ///< positions are older than allowed
   kEncoderJump,  ///< a position changed by more in one cycle than the joint can move
-  kController,   ///< its torque is NaN or infinite
+  kController,   ///< the controller's torque is NaN or infinite
   kOverrun,      ///< a cycle took longer than allowed
-  kPosition,     ///< beyond a limit, or too fast to stop before it
+  kPosition,     ///< a joint is beyond a limit, or too fast to stop before it
   kVelocity,
-  kTracking,    ///< too far from the wanted position
+  kTracking,    ///< a joint is too far from its wanted position
   /// the controller requests more than the motor's limit, or nearly as much at a standstill, for too long
   kTorque,
-  kForce,       ///< more than allowed at the tip
+  kForce,       ///< the force at the tip is larger than allowed
   kForceSensor,  ///< the force is NaN or infinite, older than allowed, or disagrees with the
                  ///< joints' torques
   /// a held arm does not come to rest, or after a fault it is faster than `runaway` allows
@@ -45,43 +45,43 @@ enum class SafetyAction {
   kPass,       ///< the controller's torque, within the motors' limits
   kHold,       ///< brakes with the help of the model, then holds the position where the arm stopped
   kRelease,    ///< gravity compensation and damping only: yields to external forces
-  /// The torque that held the arm at its last valid position plus, decaying with `braking`, most of the
-  /// torque that stops its last valid momentum; no feedback. For counterbalanced arms; others need their
-  /// brakes.
+  /// The torque that held the arm at its last valid position plus, decaying with `braking`, most of the torque that
+  /// stops its last valid momentum; no feedback. For counterbalanced arms; others need their brakes.
   kFreeze
 };
 
-/// Fixed text, such as "position limit".
+/// Fixed text of a state, a fault or an action, such as "position limit".
 const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
 
-/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze if positions are unreliable,
-/// kRelease for forces, kHold for all others. Of several faults the strongest action applies, in this order.
+/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze if positions are unreliable, kRelease
+/// for forces, kHold for all others. Of several faults the one with the strongest action applies; kMotorsOff is
+/// the strongest, kHold the weakest.
 SafetyAction action_of(SafetyFault fault) noexcept;
 
 struct SafetyLimits {
   VectorXd lower, upper;              ///< (n) [rad], [m]
-  VectorXd velocity;                  ///< (n)
-  VectorXd torque;                    ///< (n) of the motors
-  VectorXd tracking;                  ///< (n) wanted minus measured position
-  VectorXd resolution;                ///< (n) of positions: one step of an encoder; empty: zero
-  double force = 15.0;                ///< [N] at the tip
-  double force_disagreement = 6.0;    ///< [N] between the sensor and MomentumObserver
-  double disagreement_seconds = 0.1;  ///< [s] for which it must persist
-  double sensor_age = 0.003;          ///< [s] of positions
-  double force_age = 0.01;            ///< [s] of the force
-  double overrun = 0.005;             ///< [s] between two updates
-  double torque_seconds = 0.2;        ///< [s] of motor saturation that is allowed
+  VectorXd velocity;                  ///< (n) [rad/s], [m/s]
+  VectorXd torque;                    ///< (n) limit of the motors [N m], [N]
+  VectorXd tracking;                  ///< (n) wanted minus measured position [rad], [m]
+  VectorXd resolution;                ///< (n) resolution of positions: one step of an encoder; empty: zero
+  double force = 15.0;                ///< [N] largest force at the tip
+  double force_disagreement = 6.0;    ///< [N] largest difference between the sensor and MomentumObserver
+  double disagreement_seconds = 0.1;  ///< [s] shortest duration of a difference that is a fault
+  double sensor_age = 0.003;          ///< [s] largest age of positions
+  double force_age = 0.01;            ///< [s] largest age of the force
+  double overrun = 0.005;             ///< [s] longest time between two updates
+  double torque_seconds = 0.2;        ///< [s] longest motor saturation
   double homing_share = 0.2;          ///< share of the velocity limit while homing
   double braking = 30.0;              ///< [1/s]: braking is -braking dq; stops within dq / braking
   /// [s] within which the kinetic energy of a held arm must decrease to a half. Braking alone takes ln 2 / (2
   /// braking) = 12 ms; a motor at its limit takes longer.
   double held_seconds = 0.1;
-  /// Share of the velocity limits below which a held arm is at rest: from then on a spring holds
-  /// its position, in which a constant torque error moves the joint by a hundredth of the
-  /// acceleration it causes.
+  /// Share of the velocity limits below which a held arm counts as at rest. From then on a spring of 100 1/s^2
+  /// holds its position: a constant torque error moves the joint by a hundredth of the acceleration that it
+  /// causes.
   double rest_share = 0.05;
-  double runaway = 1.5;  ///< factor on the velocity limit: motors off if there is a fault already
+  double runaway = 1.5;  ///< factor of the velocity limit above which an arm with a fault is switched off
   /// Relative error of every parameter, UncertaintyOptions::relative: a holding torque may deviate from the
   /// model by at most TorqueUncertainty at rest plus the effect of the measured force.
   double model_error = 0.1;
@@ -95,11 +95,10 @@ SafetyLimits safety_limits(const Model& arm, double torque);
 struct SafetyInput {
   explicit SafetyInput(int joints) : q_wanted(VectorXd::Zero(joints)) {}
   VectorXd q_wanted;  ///< (n); NaN in an entry: its tracking is not checked (impedance control)
-  double dt = 0.001;               ///< [s] since the last update, as measured
-  /// [s] age of the positions, since they were requested; if it has grown by dt, they are those of the last
-  /// cycle
+  double dt = 0.001;               ///< [s] measured time since the last update
+  /// [s] age of the positions, since they were requested; if it has grown by dt, they are those of the last cycle
   double sensor_age = 0.0;
-  double sensor_age_range = 0.0;   ///< [s] by which they may be younger: the time until they arrived
+  double sensor_age_range = 0.0;   ///< [s] positions may be younger by this: the time until they arrived
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world
   double force_age = 0.0;          ///< [s] age of the force
   Eigen::Vector3d force_expected{0, 0, 0};  ///< MomentumObserver::force(); NaN: no comparison
@@ -109,14 +108,14 @@ struct SafetyInput {
 /// One detected fault.
 struct SafetyEvent {
   SafetyFault fault = SafetyFault::kNone;
-  std::optional<int> joint = {};  ///< from 0
-  double after = 0.0;  ///< [s] since the first fault
+  std::optional<int> joint = {};  ///< joint index from 0
+  double after = 0.0;  ///< [s] time since the first fault
 };
 
-/// Checks every cycle between controller and motors. On a fault it takes over within the same cycle with the
-/// action defined for the fault, and reports the reason. Checks continue during a fault: a later fault with a
-/// stronger action takes over. Nothing allocates or throws after the constructor; the reason is an enum with
-/// fixed texts.
+/// Checks the signals between controller and motors in every cycle. On a fault it takes over within the same
+/// cycle with the action defined for the fault, and reports the reason. Checks continue during a fault: a later
+/// fault with a stronger action takes over. Nothing allocates or throws after the constructor; the reason is an
+/// enum with fixed texts.
 ///
 ///   safety.enable(); ... safety.activate();
 ///   tau = safety.update(state, input, tau);
@@ -135,8 +134,8 @@ class SafetySupervisor {
   void disable() noexcept;   ///< any -> kDisabled; a fault remains
   bool reset() noexcept;     ///< kFault -> kDisabled
 
-  /// @param tau  (n) of the controller. @returns (n) torques for the motors, always finite and
-  /// within limits.
+  /// @param tau  (n) torques of the controller. @returns (n) torques for the motors, always finite and within
+  ///   limits.
   const VectorXd& update(const ArmState& arm, const SafetyInput& input,
                          const VectorXd& tau) noexcept;
 
@@ -188,7 +187,7 @@ class SafetySupervisor {
   double since_sound_ = 0.0;  // [s] between the measurement of q_sound_ and that of the present positions
   double fault_for_ = 0.0;   // [s]
   bool watched_ = false;     // while held: energy_ is the reference of its kinetic energy
-  double energy_ = 0.0, slow_for_ = 0.0;  // [J], since [s]
+  double energy_ = 0.0, slow_for_ = 0.0;  // kinetic energy [J] when it was last stored; time [s] since then
   std::array<SafetyEvent, 16> event_;
   int events_ = 0;
   VectorXd saturated_;  // (n) [s]

@@ -27,9 +27,8 @@ double characteristic_length(const Model& arm, const Tip& tip);
 /// Solves J y = a for joint accelerations or velocities, robustly near singularities and for
 /// Jacobians that mix units.
 ///
-/// The Jacobian of a revolute-revolute-prismatic arm holds metres per radian beside metres per
-/// metre, so its singular values depend on the units. Here metres are divided by the characteristic
-/// length L on both sides,
+/// The Jacobian of a revolute-revolute-prismatic arm holds metres per radian beside metres per metre, so its
+/// singular values depend on the units. Here metres are divided by the characteristic length L on both sides,
 ///
 ///   J~ = W_x J W_q,   W_x = 1/L on linear rows,   W_q = L on prismatic columns
 ///
@@ -37,9 +36,9 @@ double characteristic_length(const Model& arm, const Tip& tip);
 ///
 ///   J# = W_q V diag(s_i / max(s_i, threshold)^2) U' W_x
 ///
-/// which is the pseudo-inverse away from singularities, continuous, and zero in the singular
-/// direction of a singular pose. The null space of J#, damped directions included, takes a posture
-/// y0:
+/// which is the pseudo-inverse away from singularities, continuous, and zero in the singular direction of a
+/// singular pose. A posture y0, a desired joint motion, is projected onto the null space of J#, damped
+/// directions included:
 ///
 ///   y = J# a + W_q (1 - J~# J~) W_q^-1 y0
 ///
@@ -75,7 +74,7 @@ class TaskInverse {
   double length() const { return length_; }
   /// The smallest singular value of J~ at the last update(); computed anew by every call.
   double smallest_singular_value() const noexcept;
-  /// True if it is not above the threshold: a direction is damped.
+  /// True if the smallest singular value is not above the threshold, so that a direction is damped.
   bool near_singular() const { return near_singular_; }
 
  private:

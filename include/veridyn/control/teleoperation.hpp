@@ -12,15 +12,14 @@ struct TeleoperationOptions {
   double scale = 0.5;         ///< motion of the follower per motion of the leader
   double force_scale = 1.0;   ///< force at the leader's tip per force at the follower's; 0: none
   double largest_force = 5.0;  ///< [N] largest force reflected to the leader
-  double damping = 4.0;       ///< [N s/m] at the leader's tip while the clutch is engaged
+  double damping = 4.0;       ///< [N s/m] damping of the leader's tip while the clutch is engaged
   double speed = 0.2;         ///< [m/s] largest speed of the follower
   double cutoff = 30.0;       ///< [Hz] low-pass of the reflected forces
-  double ramp = 0.1;          ///< [s] in which reflected forces fade in after the clutch engages
-  double period = 1e-3;       ///< [s] of update()
+  double ramp = 0.1;          ///< [s] fade-in time of reflected forces after the clutch engages
+  double period = 1e-3;       ///< [s] interval between calls of update()
 };
 
-/// Bilateral teleoperation: the follower's tip follows the leader's, and its force is reflected
-/// back:
+/// Bilateral teleoperation: the follower's tip follows the leader's, and its force is reflected back:
 ///
 ///   x_f = x_f0 + s R (x_l - x_l0)       0: positions when the clutch engaged
 ///   f_l = -k R' f_f - d dx_l/dt         f_f: force of the follower's tip on the environment
@@ -46,7 +45,7 @@ class Teleoperation {
               const Eigen::Vector3d& force) noexcept;
 
   const TipTarget& follower() const { return target_; }           ///< reference of the follower
-  const Eigen::Vector3d& leader_force() const { return back_; }  ///< f_l [N]
+  const Eigen::Vector3d& leader_force() const { return back_; }  ///< f_l [N], the force reflected to the leader
 
  private:
   TeleoperationOptions options_;

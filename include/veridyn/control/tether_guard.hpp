@@ -6,14 +6,14 @@
 namespace veridyn {
 
 struct TetherGuardOptions {
-  double period = 1e-3;      ///< [s] of update()
-  /// [m] slack that is kept after a member has had twice as much
+  double period = 1e-3;      ///< [s] interval between calls of update()
+  /// [m] slack that is preserved in a member whose slack has reached twice as much
   double margin = 0.005;
   double horizon = 0.03;     ///< [s] time constant of the approach to the largest length
   /// [N] compression that identifies a spring or a bar, as opposed to a string
   double least_push = 0.5;
-  double rest = 0.1;  ///< [s] in which the guard's motion decays when no member is near its limits
-  double acceleration = 40.0;  ///< [m/s^2] largest acceleration and
+  double rest = 0.1;  ///< [s] decay time of the guard's motion when no member is near its limits
+  double acceleration = 40.0;  ///< [m/s^2] largest acceleration of a tip
   double speed = 3.0;          ///< [m/s] largest speed of a tip: a free fall of 0.46 m
   double smoothing = 40.0;     ///< [Hz] bandwidth of the estimated velocities and accelerations
 };
@@ -27,11 +27,10 @@ struct TetherGuardOptions {
 ///
 ///   d2L/dt2 <= -2/h dL/dt - (L - L_max)/h^2     (h: horizon)
 ///
-/// so that L approaches L_max at most like exp(-t/h). L_max is the member's unloaded length,
-/// estimated while the task runs, plus the stretch under twice the allowed force; for a member that
-/// has become slack, `margin` below the unloaded length. Members that have carried compression are
-/// kept from being crushed in the same way, with L_min and the signs reversed. Ends of other
-/// members are not moved.
+/// so that L approaches L_max at most like exp(-t/h). L_max is the member's unloaded length, estimated while the
+/// task runs, plus the stretch under twice the allowed force; for a member that has become slack, `margin` below
+/// the unloaded length. Members that have carried compression are kept from being crushed in the same way, with
+/// L_min and the signs reversed. Ends of other members are not moved.
 ///
 /// Velocities and accelerations are estimated from the tips' positions alone (fading-memory
 /// polynomial of the second degree, Morrison 1969, section 13.6): observers that are driven by the
@@ -42,7 +41,7 @@ class TetherGuard {
  public:
   struct Member {
     int from = 0, to = 1;
-    double stiffness = 0.0;  ///< [N/m] as far as known; 0: the length under load is taken as the unloaded length
+    double stiffness = 0.0;  ///< [N/m]; 0: unknown, the length under load is taken as the unloaded length
   };
   /// Correction of an end's reference.
   struct Motion {
@@ -62,9 +61,9 @@ class TetherGuard {
   /// Clears the estimate of a member that was released or attached again.
   void reset_member(int member) noexcept;
 
-  /// While targets are held, once per period.
-  /// @param position, healthy  one entry for each arm: its tip [m], skipped if not finite; 0 if it does not
-  /// follow its target.
+  /// Updates the motions of all ends; call it once per period while targets are held.
+  /// @param position  [m] of each arm's tip; skipped if not finite.
+  /// @param healthy  one entry for each arm; 0: it does not follow its target.
   /// @param force  [N] allowed in a member.
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
@@ -78,7 +77,7 @@ class TetherGuard {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
-    bool looked = false;  // has had a finite position
+    bool looked = false;  // a finite position has been received
   };
   void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;

@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// A target in the world as a reference of the tip in the base of its arm.
+/// Converts a target in the world to a reference of the tip in the base of its arm.
 inline TaskReference in_base(const TipTarget& target, const Eigen::Vector3d& p_world_base,
                              const Eigen::Matrix3d& R_world_base = Eigen::Matrix3d::Identity()) noexcept {
   TaskReference out;
@@ -61,10 +61,10 @@ class TipController {
 
   /// Gains of the next update(); false for gains that the constructor would refuse.
   bool set_gains(const ImpedanceGains& gains) noexcept { return impedance_.set_gains(gains); }
-  /// As ControlCycle::sent().
+  /// Calls ControlCycle::sent().
   void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }
 
-  bool hold() noexcept { return cycle_.hold(); }   ///< as ControlCycle::hold()
+  bool hold() noexcept { return cycle_.hold(); }   ///< see ControlCycle::hold()
   void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()
   void resume() noexcept { cycle_.resume(); }      ///< ends both; the reference must begin at the arm's position
   void reset() noexcept { cycle_.reset(); }        ///< clears a fault and all observers
@@ -72,7 +72,7 @@ class TipController {
   std::optional<ControllerFault> fault() const noexcept { return cycle_.fault(); }
   int joints() const { return cycle_.joints(); }
   const ControlCycle& cycle() const { return cycle_; }
-  const ArmState& state() const { return cycle_.state(); }  ///< with true positions
+  const ArmState& state() const { return cycle_.state(); }  ///< evaluated at true positions
   const TipKinematics& tip() const { return state().tip(); }
 
  private:

@@ -9,21 +9,20 @@
 
 namespace veridyn {
 
-/// Linear entries first: [v; omega], [force; moment], [position; angles].
+/// A vector with its linear entries first: [v; omega], [force; moment], [position; angles].
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// The controlled point of an arm.
 struct Tip {
   std::string frame;                                      ///< frame of the model
-  Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
+  Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] position of the point in that frame
 };
 
-/// The frame that the most joints move; the last of several.
+/// The frame that the most joints move; if there are several, the last one.
 std::string default_tip(const Model& arm);
 
-/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and frame_jacobian() define
-/// them, for control loops: only the frames above the tip are visited, and nothing allocates after
-/// the constructor.
+/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and frame_jacobian() define them, for control
+/// loops: only the frames above the tip are visited, and nothing allocates after the constructor.
 ///
 ///   TipKinematics tip(arm, {"tool", {0, 0, 0.01}});
 ///   tip.update(q, dq);  // then tip.position(), tip.jacobian()
@@ -46,7 +45,7 @@ class TipKinematics {
   const MatrixXd& jacobian() const { return motion_.jacobian(); }
   const MatrixXd& jacobian_rate() const { return motion_.jacobian_rate(); }
 
-  /// [v; omega] of the tip.
+  /// Twist [v; omega] of the tip in the world [m/s, rad/s].
   const Vector6d& twist() const { return twist_; }
 
  private:

@@ -10,8 +10,7 @@
 namespace veridyn {
 
 struct UncertaintyOptions {
-  /// Relative deviation of every parameter, for models without the statistics of their
-  /// identification.
+  /// Relative deviation of every parameter, for models without the statistics of their identification.
   double relative = 0.1;
   double deviations = 3.0;  ///< number of standard deviations of a threshold
   /// Speed of an axis below which its friction may have any value up to its level.
@@ -25,8 +24,8 @@ struct UncertaintyOptions {
 /// An identified model provides the covariance of its base parameters; the unexplained part is the relative
 /// error on its training recordings times the joint's rms torque in the standard motion. For any
 /// other model the unexplained part is zero, and every inertial parameter has a standard deviation
-/// of `relative` times its value, independently. Friction has deviations / 3 times `relative`, and
-/// its whole level at rest. Nothing allocates after the constructor.
+/// of `relative` times its value, independently. The uncertainty of a friction is deviations / 3 times
+/// `relative` of its force, and its whole level at rest. Nothing allocates after the constructor.
 ///
 ///   TorqueUncertainty uncertainty(arm);
 ///   every cycle: error.set_limit(uncertainty.update(state, control.acceleration()));

@@ -5,7 +5,7 @@
 
 namespace veridyn::internal {
 
-/// Memory whose first double is aligned for the widest vectors; copies have one of their own.
+/// Memory whose first double is aligned for the widest SIMD vectors; each copy owns its memory.
 class AlignedWorkspace {
  public:
   explicit AlignedWorkspace(std::size_t bytes);

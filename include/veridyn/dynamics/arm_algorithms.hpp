@@ -13,9 +13,9 @@ struct InertialLinks {
   const LinkInertia* inertia;  ///< null where only motion and regressor are computed
 };
 
-/// Rigid-body dynamics at one state over any scalar S. The lanes of L, a pack of S, are neighbouring
-/// links or columns; or L is S itself for one at a time. Vectors hold n entries; matrices (n x n)
-/// are column-major without gaps. All functions work in the caller's memory, see ArmDynamics.
+/// Rigid-body dynamics at one state over any scalar S. L is a SIMD pack of S whose lanes are neighbouring links
+/// or columns, or S itself. Vectors hold n entries; matrices (n x n) are column-major without gaps. All
+/// functions work in the caller's memory, see ArmDynamics.
 ///
 /// A joint variable may be a sum of coordinates, s = C q + s0. Derivatives are computed by joint variables;
 /// those by coordinates are sums of them, C' D C. The mass matrix is factored along the tree (articulated
@@ -53,7 +53,7 @@ struct ArmAlgorithms {
     S* matrix;   ///< n x n entries
   };
 
-  /// Size of the workspace in bytes, and its parts; align it for L.
+  /// Size of the workspace in bytes; its memory must be aligned for L.
   static std::size_t workspace(const Links& tree) {
     Parts parts{nullptr};
     divide(tree, parts);
@@ -157,7 +157,7 @@ struct ArmAlgorithms {
     mass_of(arm, M, at);
   }
 
-  /// Computes M and h, where they are not null, and D = scale * dh/d(dq): with 1/2 the Coriolis
+  /// Computes M and h, where they are not null, and D = scale * dh/d(dq). For scale 1/2, D is the Coriolis
   /// matrix of Christoffel's symbols, for which dM/dt - 2 C is skew.
   static void velocity_derivative(const InertialLinks& arm, const S* q, const S* dq, double scale,
                                   S* M, S* h, S* D, const Memory& at) {
@@ -178,9 +178,9 @@ struct ArmAlgorithms {
     matrix<true>(tree, kVelocityUpper, kVelocityLower, 2.0 * scale, D, at);
   }
 
-  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links): with the momentum
-  /// (p, l) and the gravity of all that a joint carries, dL/dq = z . (p x v + l x w + h x g) where it
-  /// turns and z . (p x w + m g) where it slides, v and w the velocities of its link.
+  /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links). With m, h and the momentum
+  /// (p, l) of all links that a joint carries, dL/dq = z . (p x v + l x w + h x g) for a revolute joint and z .
+  /// (p x w + m g) for a prismatic one, where v and w are the velocities of its link.
   static void lagrangian_gradient(const InertialLinks& arm, const S* q, const S* dq, S* gradient,
                                   const Memory& at) {
     const Links& tree = arm.tree;
@@ -221,7 +221,7 @@ struct ArmAlgorithms {
     for (int k = tree.count - 1; k >= 0; --k) {
       const Link& link = tree.link[k];
       const LinkState<S>& state = at.state[k];
-      InertiaOf<S>& I = at.carried[k];  // of the carried sum only m and h are kept up
+      InertiaOf<S>& I = at.carried[k];  // only m and h of this sum are updated
       const Vec3<S>& w = state.omega;
       S effort = state.force.x * w.y - state.force.y * w.x + I.m * state.alpha.z;
       if (link.type == JointType::kRevolute) {
@@ -264,8 +264,7 @@ struct ArmAlgorithms {
 
   // ---- forward dynamics --------------------------------------------------------------------------
 
-  /// Solves for ddq of tau; leaves M factored, in `M` or along the tree. False if M is not positive
-  /// definite.
+  /// Solves for ddq of tau; leaves M factored, in `M` or along the tree. False if M is not positive definite.
   static bool forward_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
                                S* ddq, S* M, const Memory& at) {
     const Links& tree = arm.tree;
@@ -387,8 +386,7 @@ struct ArmAlgorithms {
         }
         Column<L> c = at.column[place.link];
         if (!place.is_identity) recursion_detail::transform_motion(place.T_link_body, c.w, c.v);
-        // A whole pack may be stored where its surplus lanes fall into columns that are computed
-        // later.
+        // A whole pack may be stored where its surplus lanes fall into columns that are computed later.
         const long left = 10L * (tree.bodies - b) * n;
         regressor_entries(body_motion(at.state[place.link], place), c, [&](int k, const L& y) {
           const bool whole = count == lanes() || (n <= lanes() && left - k * n >= lanes());
@@ -414,7 +412,7 @@ struct ArmAlgorithms {
   }
 
  private:
-  /// Hands out parts of one block of memory; with a null block it only adds up their sizes.
+  /// Assigns parts of one block of memory; with a null block it only adds up their sizes.
   struct Parts {
     char* memory;
     std::size_t used = 0;
@@ -469,7 +467,7 @@ struct ArmAlgorithms {
 
   static constexpr typename World::Products kMassUpper{World::kAxis, World::kForce};
   static constexpr typename World::Products kMassLower{World::kForce, World::kAxis};
-  // Halves of the derivatives: see the quantities.
+  // Pairs of quantities whose products are the two triangles of each derivative, see WorldRecursion::Quantity.
   static constexpr typename World::Products kPositionUpper{World::kAxis, World::kByPosition};
   static constexpr typename World::Products kPositionLower{World::kForce, World::kTurn,
                                                            World::kSpin, World::kDrift};
@@ -477,7 +475,7 @@ struct ArmAlgorithms {
   static constexpr typename World::Products kVelocityLower{World::kForce, World::kDrift,
                                                            World::kSpin, World::kAxis};
 
-  /// Computes all changes of the torques by motions of the joints; needs the world's place().
+  /// Computes the quantities from which all derivatives of the torques follow; needs World::place().
   static void changes(const InertialLinks& arm, const S* dq, const S* ddq, const Memory& at) {
     const Links& tree = arm.tree;
     at.world.inertias(tree, arm.inertia);
@@ -492,14 +490,14 @@ struct ArmAlgorithms {
   static void mass_pairs(const Links& tree, S* M, const Memory& at) {
     at.world.forces(tree);
     matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
-    if (tree.in_order) return;  // else both halves are sums, each in an order of its own
+    if (tree.in_order) return;  // else the triangles are summed in different orders, and M is not exactly symmetric
     const int n = tree.joints;
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < i; ++j) M[j * n + i] = M[i * n + j];
     }
   }
 
-  /// Computes one matrix by coordinates.
+  /// Computes an (n x n) matrix over coordinates, which is a sum over pairs of links.
   template <bool kVectors>
   static void matrix(const Links& tree, const typename World::Products& upper,
                      const typename World::Products& lower, double scale, S* to,
@@ -508,7 +506,7 @@ struct ArmAlgorithms {
     put<false, kVectors>(tree, upper, lower, by, to, tree.joints, at);
   }
 
-  /// Computes half of a derivative of the torques in rows of 2 groups(n), from group `first`.
+  /// Computes such a matrix by rows of 2 groups(n), beginning at group `first`.
   static void rows(const Links& tree, const typename World::Products& upper,
                    const typename World::Products& lower, int first, const Memory& at) {
     const int groups_of_row = 2 * groups(tree.joints);

@@ -26,8 +26,7 @@ class ArmDynamics {
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
   using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 
-  /// @param tree  of moving links: B is the identity everywhere. @param phi  ten parameters of
-  /// every body.
+  /// @param tree  tree of moving links, in which B is the identity. @param phi  ten parameters of every body.
   ArmDynamics(const Tree& tree, const double* phi)
       : tree_(tree),
         inertia_(tree.links.size()),

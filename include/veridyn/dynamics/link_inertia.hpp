@@ -14,8 +14,7 @@ struct InertiaOf {
 };
 using LinkInertia = InertiaOf<double>;
 
-/// A wrench that the environment exerts on a link, at the origin of the link's frame and written in
-/// it.
+/// A wrench that the environment exerts on a link, at the origin of the link's frame and written in it.
 struct LinkWrench {
   int link;
   Vec3d force;   ///< [N]
@@ -57,7 +56,7 @@ inline LinkInertia of_body(const double* phi) {
 /// revolute link keeps h_x, h_y and the moments without zz; a prismatic one m and h. Source: Khalil
 /// and Dombre, Modeling, Identification and Control of Robots, 2002, ch. 9.
 ///
-/// @param phi  ten of every body. @param out  one per link.
+/// @param phi  ten parameters of every body. @param out  one inertia per link.
 inline void link_inertias(const Links& tree, const double* phi, LinkInertia* out) {
   for (int k = 0; k < tree.count; ++k) out[k] = LinkInertia{};
   for (int b = 0; b < tree.bodies; ++b) {

@@ -64,8 +64,8 @@ inline void regressor_entries(const BodyMotion<S>& b, const Column<L>& c, const 
   put(9, w.z * b.alpha.z + w.x * b.products.x - w.y * b.products.y);
 }
 
-/// Force and moment that a link needs for its own motion. Linear in accel and E: with their
-/// derivatives it gives those of force and moment.
+/// Force and moment that a link needs for its own motion. They are linear in accel and E, so that the
+/// derivatives of accel and E in their place give the derivatives of force and moment.
 template <typename S>
 inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
                         const Spin<S>& E, Vec3<S>& force, Vec3<S>& moment) {
@@ -80,7 +80,7 @@ inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& a
   const C hx = c(I.h.x), hy = c(I.h.y);
   const C xx = c(I.xx), xy = c(I.xy), yy = c(I.yy), xz = c(I.xz), yz = c(I.yz);
   force = hx * E.x + hy * E.y;
-  // With X the second moments: the sum of x x E x is the skew part of E X.
+  // The sum of x x E x is the skew part of E X, where X are the second moments.
   moment = {xy * E.x.z + yy * E.y.z + yz * E.z.z - xz * E.x.y - yz * E.y.y + hy * accel.z,
             xz * E.x.x + yz * E.y.x - xx * E.x.z - xy * E.y.z - xz * E.z.z - hx * accel.z,
             xx * E.x.y + xy * E.y.y + xz * E.z.y - xy * E.x.x - yy * E.y.x - yz * E.z.x +

@@ -41,8 +41,8 @@ class RigidBodyDynamics {
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         VectorXd& tau);
 
-  /// The same under external wrenches w: tau = M ddq + C dq + g - sum of J' w. At most as many
-  /// wrenches as the arm has frames.
+  /// Inverse dynamics under external wrenches w: tau = M ddq + C dq + g - sum of J' w. At most as many wrenches
+  /// as the arm has frames.
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         const std::vector<FrameWrench>& external, VectorXd& tau);
 
@@ -68,11 +68,11 @@ class RigidBodyDynamics {
   void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
                           VectorXd& h) noexcept;
 
-  /// Computes D = dh/d(dq), (n x n), as well.
+  /// Also computes D = dh/d(dq), (n x n).
   void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M, VectorXd& h,
                           MatrixXd& D) noexcept;
 
-  /// Computes also the first-order change of M ddq + h over a small displacement of q, (n).
+  /// Also computes the first-order change of M ddq + h over a small displacement of q, (n).
   void equation_of_motion(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                           const VectorRef& displacement, MatrixXd& M, VectorXd& h, MatrixXd& D,
                           VectorXd& change) noexcept;

@@ -32,13 +32,13 @@ class TorqueRegressor {
   /// Y[i](r, c): torque of joint i in sample r per unit of inertial parameter columns(i)[c].
   ///
   /// @param q, dq, ddq  (rows x n) [rad, rad/s, rad/s^2], metres where the joint is prismatic.
-  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here. A matrix with
-  /// as many rows and more columns stays as it is behind these.
+  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here. If a matrix has as many
+  ///   rows and more columns, its further columns are unchanged.
   /// @throws InvalidInput  the three do not have n columns and one number of rows.
   void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                 std::vector<MatrixXd>& Y) const;
 
-  /// The same for joints first .. end - 1 only; the other matrices stay as they are.
+  /// Computes Y[first] .. Y[end - 1] only; the other matrices are unchanged.
   void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, int first, int end,
                 std::vector<MatrixXd>& Y) const;
 
@@ -73,7 +73,7 @@ class TorqueRegressor {
   Tree tree_;
   internal::AlignedWorkspace memory_;
   std::vector<std::vector<int>> columns_;
-  /// First of body b's columns in joint i's matrix, at b n + i; -1: the joint does not move it.
+  /// Index of body b's first column in joint i's matrix, at b n + i; -1: the joint does not move the body.
   std::vector<int> first_column_;
 };
 

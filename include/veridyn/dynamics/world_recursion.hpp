@@ -5,18 +5,16 @@
 #include "veridyn/dynamics/link_inertia.hpp"
 #include "veridyn/kinematics/recursion.hpp"
 
-// Rigid-body quantities of all links in one frame: the axes of the world, moments and velocities
-// about the origin of the first joint. Matrices of the dynamics are then products of six numbers of
-// one link with six of another, without any change of frame between them, and the inertias of
-// links are sums.
+// Rigid-body quantities of all links in one frame: the axes of the world, moments and velocities about the origin
+// of the first joint. Matrices of the dynamics are then products of six numbers of one link with six of another,
+// without any change of frame between them, and the inertias of links are sums.
 //
 // Sources: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 6 and 7; derivatives: Carpentier
 // and Mansard, RSS 2018; Singh, Russell and Wensing, IEEE RA-L 7(2), 2022.
 
 namespace veridyn {
 
-// True if a pivot is above zero. Symbolic scalars cannot be compared; their pivots count as
-// positive.
+// True if a pivot is above zero. Symbolic scalars cannot be compared; their pivots count as positive.
 inline bool is_positive(double x) {
   return x > 0.0;
 }
@@ -52,13 +50,13 @@ inline Screw<S> operator-(const Screw<S>& a, const Screw<S>& b) {
   return {a.w - b.w, a.v - b.v};
 }
 
-/// Rate of a motion b that moves with a.
+/// Rate of change of a motion vector b that is fixed in a body moving with a.
 template <typename S>
 inline Screw<S> cross(const Screw<S>& a, const Screw<S>& b) {
   return {cross(a.w, b.w), cross(a.w, b.v) + cross(a.v, b.w)};
 }
 
-/// Rate of a wrench f that moves with a.
+/// Rate of change of a wrench f that is fixed in a body moving with a.
 template <typename S>
 inline Screw<S> cross_wrench(const Screw<S>& a, const Screw<S>& f) {
   return {cross(a.w, f.w) + cross(a.v, f.v), cross(a.w, f.v)};
@@ -74,7 +72,7 @@ inline Screw<S> wrench(const InertiaOf<S>& I, const Screw<S>& a) {
   return {cross(I.h, a.v) + own, I.m * a.v + cross(w, I.h)};
 }
 
-/// Motion of the masses of a body, or of several: the sums of m xdot and of m x xdot'.
+/// Sums of m xdot and of m x xdot' over the masses of one body or of several.
 template <typename S>
 struct Momentum {
   Vec3<S> p;
@@ -91,14 +89,14 @@ inline Momentum<S> momentum(const InertiaOf<S>& I, const Screw<S>& velocity) {
            I.h.z * v + cross(w, Vec3<S>{I.xz, I.yz, I.zz})}};
 }
 
-/// Wrench of the accelerations w x xdot.
+/// Wrench that gives the masses the accelerations w x xdot.
 template <typename S>
 inline Screw<S> wrench(const Momentum<S>& c, const Vec3<S>& w) {
   const S trace = c.W.row0.x + c.W.row1.y + c.W.row2.z;
   return {trace * w - rotate_back(c.W, w), cross(w, c.p)};
 }
 
-/// The vector g of w . g = axis . wrench(c, w).
+/// The vector g for which w . g = axis . wrench(c, w) holds for every w.
 template <typename S>
 inline Vec3<S> spin_of(const Momentum<S>& c, const Screw<S>& axis) {
   const S trace = c.W.row0.x + c.W.row1.y + c.W.row2.z;
@@ -136,13 +134,13 @@ struct ArticulatedInertia {
   Symmetric3<S> J;
   Mat3<S> H;
   Symmetric3<S> M;
-  Mat3<S> spin_moment, spin_force;  ///< of a rotation w: those of the accelerations w x xdot
+  Mat3<S> spin_moment, spin_force;  ///< map w to the moment and force of the accelerations w x xdot
 };
 
 /// Quantities of a joint that the passes along articulated bodies read.
 template <typename S>
 struct ArticulatedJoint {
-  Screw<S> axis;     ///< as kAxis
+  Screw<S> axis;     ///< the axis kAxis
   Screw<S> reduced;  ///< articulated inertia times axis, over their product with the axis
   Vec3<S> spin;      ///< effort per unit of a rotation w by the accelerations w x xdot
   S inverse;         ///< 1 / that product
@@ -164,7 +162,7 @@ struct WorldRecursion {
   enum Quantity : int {
     kInertia = 0,     ///< m, h, second moments
     kMomentum = 10,   ///< p, W
-    kWrench = 22,     ///< that moves the link
+    kWrench = 22,     ///< wrench that moves the link
     kAxis = 28,       ///< motion per unit of the joint
     kForce = 34,      ///< wrench(inertia, axis)
     kSpin = 40,       ///< spin_of(momentum, axis)
@@ -173,7 +171,7 @@ struct WorldRecursion {
     kDrift = 55,         ///< rate of the axis, d
     kTurn = 61,          ///< half of the change of acceleration by the joint's position
     kByPosition = 67,    ///< half of the change of what kWrench sums up, by the joint's position
-    kByVelocity = 73,    ///< and by its velocity
+    kByVelocity = 73,    ///< half of that change by the joint's velocity
     kTorqueByPosition = 79,  ///< see articulated_changes()
     kTorqueByVelocity = 80,
     kArrays = 81
@@ -245,8 +243,8 @@ struct WorldRecursion {
              lane_vector(kMomentum + 9, g)}};
   }
 
-  /// x of a link's joint. Where every joint has a coordinate of its own, that coordinate takes the
-  /// place of the joint variable, and its coefficient is part of the axis.
+  /// The value of x for a link's joint variable. Where every joint has a coordinate of its own, that coordinate
+  /// replaces the joint variable, and its coefficient is part of the axis.
   static S of_joint(const Links& tree, int k, const S* x) {
     if (x == nullptr) return S(0.0);
     const Link& link = tree.link[k];
@@ -399,11 +397,11 @@ struct WorldRecursion {
     }
   }
 
-  /// The torque of link k's joint that goes with kWrench.
+  /// The torque of link k's joint under the wrench kWrench.
   S torque(int k) const { return dot(screw(kAxis, k), screw(kWrench, k)); }
 
-  /// Two arrays whose products are the entries of a matrix: `row` of the row's link times `column`
-  /// of the column's, each a screw; and two vectors, unless negative.
+  /// Quantities whose products are the entries of a matrix: the screw `row` of the row's link times the screw
+  /// `column` of the column's link, and two vectors in the same way, unless their indices are negative.
   struct Products {
     int row, column;
     int row_vector = -1, column_vector = -1;
@@ -461,7 +459,7 @@ struct WorldRecursion {
       return last >= 0 ? a : b;
     }
   }
-  static auto lane_index() {  // no array: lanes that are set one by one go through memory
+  static auto lane_index() {  // not an array, since lanes that are set one by one go through memory
     typename L::Mask index;
     for (int l = 0; l < lanes(); ++l) index[l] = l;
     return index;
@@ -577,7 +575,7 @@ struct WorldRecursion {
   /// Computes half of the accelerations of all joints by position and by velocity of each joint of
   /// group g, side by side, since each step waits for the one before; needs articulated_changes().
   ///
-  /// @param x  one entry per link, `width` apart; those by velocity groups(links) behind.
+  /// @param x  one entry per link, `width` apart; accelerations by velocity are groups(links) later.
   void respond_to_motion(const Links& tree, int g, int width, L* x, Response* memory) const {
     const int first = g * lanes();
     const int end = first + lanes() < tree.count ? first + lanes() : tree.count;
@@ -600,8 +598,7 @@ struct WorldRecursion {
     }
   }
 
-  /// Computes the accelerations by the torques of group g, of the joints up to its last; needs
-  /// articulate().
+  /// Computes the accelerations by the torques of group g, of the joints up to its last; needs articulate().
   void respond_to_torque(const Links& tree, int g, int width, L* x, Response* memory) const {
     const int first = g * lanes();
     const int end = first + lanes() < tree.count ? first + lanes() : tree.count;

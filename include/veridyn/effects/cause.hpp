@@ -93,7 +93,7 @@ struct CauseText {
 /// Splits "EFFECT:PLACE" or "EFFECT" at the first colon, without looking anything up.
 CauseText split_cause(const std::string& words);
 
-/// "EFFECT:PLACE", or "EFFECT" without a place.
+/// Joins the two parts: "EFFECT:PLACE", or "EFFECT" without a place.
 std::string to_text(const CauseText& cause);
 
 /// Resolves the text form of a cause against an arm.

@@ -25,7 +25,7 @@ struct ChannelMotion {
 
 /// A column that is a torque of the arm's bodies, so that an excitation can be designed for it.
 struct RigidColumn {
-  Eigen::Vector3d gravity;  ///< [m/s^2] in place of the arm's own
+  Eigen::Vector3d gravity;  ///< [m/s^2] replaces the arm's gravity
   bool at_rest;             ///< true: velocities and accelerations are taken as zero
   VectorXd joints;          ///< (n) nonzero for joints whose rows count
 };
@@ -61,7 +61,7 @@ class ChannelEffect : public Effect {
   /// effects with such columns.
   virtual bool has_rigid_columns() const { return false; }
 
-  /// These columns; empty if they vanish for this arm, for example without gravity.
+  /// Columns as torques of the bodies; empty if they vanish for this arm, for example without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, std::optional<JointIndex> joint) const;
 
   /// Adds the error to an arm. @param joint  nullopt: all joints. @param from  the other joint of an error
@@ -72,7 +72,7 @@ class ChannelEffect : public Effect {
   /// Keys for injection, one for each of parameters().
   virtual std::vector<InjectedValue> injected(JointType type) const = 0;
 
-  /// Place in the name of a parameter: "yaw", or "arm" for the whole arm.
+  /// Name of the joint that a parameter of the term belongs to: "yaw", or "arm" for the whole arm.
   std::string place(const Model& arm, const EffectTerm& term) const;
 };
 
@@ -88,15 +88,14 @@ class SensorError : public ChannelEffect {
   virtual void change(RecordedChannel& shown, std::optional<JointIndex> from,
                       const std::vector<double>& values) const = 0;
 
-  /// Adds it to `recorded` of the coordinates.
+  /// Adds the error to `recorded` of the coordinates that it concerns.
   void apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
              const std::vector<double>& values) const final;
 
   /// True if it is a factor on the recorded torque and nothing else.
   virtual bool scales_torque() const { return false; }
 
-  /// True if it may begin while the arm moves, for example when an encoder slips. Watch tests such
-  /// errors only.
+  /// True if it may begin while the arm moves, for example when an encoder slips. Watch tests such errors only.
   virtual bool may_begin_suddenly() const { return false; }
 };
 
@@ -115,8 +114,8 @@ class ArmEffect : public ChannelEffect {
   /// Further starting points of the iteration, for effects that the linearisation at zero does not describe.
   virtual std::vector<std::vector<double>> far_values() const { return {}; }
 
-  /// The values that change one arm into the other. @param sum  of all successive changes: the default
-  /// result; override the function if changes do not add.
+  /// The values that change one arm into the other. @param sum  sum of all successive changes, which is the
+  /// default result; override the function if changes do not add.
   virtual std::vector<double> values_between(const ModelDescription& /*without*/, const ModelDescription& /*with*/,
                                              std::vector<double> sum) const {
     return sum;

@@ -13,17 +13,16 @@
 
 namespace veridyn {
 
-/// Speed below which friction without memory passes linearly through zero instead of switching its
-/// sign.
+/// Speed below which friction without memory passes linearly through zero instead of switching its sign.
 constexpr double kRestSpeed = 1e-4;  ///< [rad/s] or [m/s]
 
 /// One sample along an effect's axis s = c . q + s0.
 struct AxisSample {
-  double time = 0.0;    ///< [s] since the recording or the run began
+  double time = 0.0;    ///< [s] time since the recording or the run began
   double s = 0.0;       ///< [rad] or [m]
   double ds = 0.0;      ///< [rad/s] or [m/s]
   double dds = 0.0;     ///< [rad/s^2] or [m/s^2]
-  double from_s = 0.0;  ///< same variable of the other coordinate, for couplings
+  double from_s = 0.0;  ///< [rad] or [m] position of the other coordinate, for couplings
   double from_ds = 0.0;
   double load = 0.0;  ///< torque or force of the rigid bodies along the axis [N m] or [N]
 };
@@ -80,17 +79,15 @@ struct EffectShape {
 /// How an axis moves, in recordings or within its limits.
 struct AxisMotion {
   JointType type = JointType::kRevolute;
-  double middle = 0.0;    ///< [rad] or [m] of its travel
-  double travel = 0.0;    ///< [rad] or [m]
-  double speed = 0.0;     ///< [rad/s] or [m/s] largest
-  double duration = 0.0;  ///< [s] of the longest recording; 0: unknown
-  /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was
-  /// computed.
+  double middle = 0.0;    ///< middle of its travel [rad] or [m]
+  double travel = 0.0;    ///< travel [rad] or [m]
+  double speed = 0.0;     ///< largest speed [rad/s] or [m/s]
+  double duration = 0.0;  ///< [s] duration of the longest recording; 0: unknown
+  /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was computed.
   std::optional<std::vector<double>> waves{};
 };
 
-/// A range of the axis' motion, or of that of `from`, outside of which an effect's columns are
-/// constant.
+/// A range of the axis' motion, or of that of `from`, outside of which an effect's columns are constant.
 struct ActiveRange {
   bool of_source = false;
   bool of_velocity = false;  ///< true: a range of velocity; false: of position
@@ -127,9 +124,8 @@ class Effect {
   /// Properties with the initial constants.
   EffectTraits traits() const;
 
-  /// Initial values of the shape constants for an axis with this motion: all combinations of the
-  /// constants' own grids. One empty choice if the effect has no searched constant; none if the
-  /// spectrum has no significant wave.
+  /// Initial values of the shape constants for an axis with this motion: all combinations of the constants' own
+  /// grids. One empty choice if the effect has no searched constant; none if the spectrum has no significant wave.
   virtual std::vector<ShapeChoice> grid(const AxisMotion& motion) const;
 
   /// Ranges that a motion must reach for the columns to be independent; empty: any motion.
@@ -173,8 +169,7 @@ const AxisEffect& find_axis_effect(const std::string& name);
 bool has_effect(const std::string& name);
 bool has_axis_effect(const std::string& name);
 
-/// All effects, and those that act along an axis, in the order of docs/contract.md; registered ones
-/// follow.
+/// All effects, and those that act along an axis, in the order of docs/contract.md; registered ones follow.
 const std::vector<const Effect*>& all_effects();
 const std::vector<const AxisEffect*>& axis_effects();
 
@@ -194,7 +189,7 @@ class BoundEffect {
   BoundEffect(const Model& arm, const EffectTerm& term);
 
   const AxisEffect& effect() const { return *effect_; }
-  const EffectTraits& traits() const { return traits_; }  ///< with these constants
+  const EffectTraits& traits() const { return traits_; }  ///< properties for the shape constants of this effect
   const EffectTerm& term() const { return term_; }
   int parameter_count() const { return static_cast<int>(parameters_.size()); }
   const std::vector<EffectParameter>& parameters() const { return parameters_; }
@@ -223,11 +218,11 @@ class BoundEffect {
     start_time_ = start_time;
   }
 
-  /// s, ds, dds (and the source's) from one state; q, dq, ddq point at n entries `stride` apart.
+  /// Computes s, ds, dds (and the source's) of one state; q, dq, ddq point at n entries `stride` apart.
   AxisSample sample(double time, const double* q, const double* dq, const double* ddq,
                     long stride) const noexcept;
 
-  /// One row of columns along the axis; advances the memory.
+  /// Computes one row of columns along the axis; advances the memory.
   void columns(const AxisSample& sample, EffectColumns& row) noexcept {
     effect_->columns(sample, shape_, state_, row);
   }

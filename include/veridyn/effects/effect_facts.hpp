@@ -33,7 +33,7 @@ class EffectFacts : private BoundEffect {
     return out;
   }
 
-  /// [N m] or [N] along the axis at one sample, with the values of the model and the initial state.
+  /// Force along the axis [N m] or [N] at one sample, with the values of the model and the initial state.
   double force_at(const AxisSample& sample) const noexcept {
     EffectColumns row{};
     EffectState state{};
@@ -43,7 +43,7 @@ class EffectFacts : private BoundEffect {
     return sum;
   }
 
-  /// The same effect with a state of its own, initially unloaded, for evaluation sample by sample.
+  /// This effect as a BoundEffect with its own state, initially unloaded, for evaluation sample by sample.
   const BoundEffect& bound() const { return *this; }
 };
 

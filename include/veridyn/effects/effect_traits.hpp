@@ -37,23 +37,21 @@ struct EffectTraits {
 
   /// The torque depends on the position of the joint. Reports plot such an effect over the position.
   bool depends_on_position = false;
-  bool depends_on_time = false;  ///< counted from the start of the recording
-  /// A wrong constant of the robot file has exactly the same columns: recordings cannot separate
-  /// the two.
+  bool depends_on_time = false;  ///< time since the start of the recording
+  /// A wrong constant of the robot file has exactly the same columns: recordings cannot separate the two.
   bool same_as_wrong_constant = false;
-  bool slow = false;           ///< visible at low speed and after reversals
+  bool slow = false;           ///< its torque is visible at low speed and after reversals
   bool holds_at_rest = false;  ///< exerts a force on a joint at rest, like a spring or a cable
   bool lasting = false;        ///< constant from day to day; friction and offsets are not
   /// Present in every joint and different from day to day: friction level, damping, offset.
   bool elementary = false;
   bool tabulated = false;   ///< a measured curve without a known cause
   bool mixed_axes = false;  ///< plausible along a combination of coordinates (a tendon, a wrist)
-  /// False: describes measured motion to first order, and would be unstable as a force in a forward
-  /// simulation.
+  /// False: describes measured motion to first order, and would be unstable as a force in a forward simulation.
   bool forward_simulable = true;
   /// Reason, as printed after "transmission_compliance on yaw: "; empty if it can be simulated.
   const char* not_simulable_because = "";
-  /// Attribute of a simulator's joint: "damping", "friction", "armature", "stiffness" or "offset".
+  /// Attribute of a simulator's joint that holds it: "damping", "friction", "armature", "stiffness" or "offset".
   const char* urdf_attribute = "";
 };
 

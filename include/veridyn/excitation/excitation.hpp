@@ -21,9 +21,8 @@ namespace veridyn {
 enum class ExcitationCriterion {
   /// Smallest condition number of the base regressor (thesis 5.27).
   kCondition,
-  /// Largest ln det of its Gram matrix, rows divided by their noise (ExcitationOptions::noise): the
-  /// smallest volume of the confidence ellipsoid. Unlike a condition number it depends on the
-  /// amplitude of the motion.
+  /// Largest ln det of its Gram matrix, rows divided by their noise (ExcitationOptions::noise): the smallest volume
+  /// of the confidence ellipsoid. Unlike a condition number it depends on the amplitude of the motion.
   kDOptimal,
   /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
   /// parameter's value; a parameter near zero is replaced by one that makes 0.1 % of the torques.
@@ -51,9 +50,9 @@ bool is_built_in(ExcitationSolver solver);
 
 /// Scaling of the base regressor's columns before the condition number is computed.
 enum class ColumnScaling {
-  kNorm,  ///< to norm one (thesis 5.26)
-  kNone,  ///< as they are
-  /// Combined first into a basis that is orthogonal at random states within the limits, then scaled
+  kNorm,  ///< columns are scaled to norm one (thesis 5.26)
+  kNone,  ///< columns are not scaled
+  /// Columns are first combined into a basis that is orthogonal at random states within the limits, then scaled
   /// to norm one: this removes dependences of the arm's geometry that no motion can change.
   kOrthogonal,
 };
@@ -62,10 +61,10 @@ enum class ColumnScaling {
 const char* name_of(ColumnScaling scaling);
 
 struct ExcitationOptions {
-  double frequency = 0.13;  ///< [Hz] of the first harmonic
-  int harmonics = 5;        ///< at least 2: a single harmonic cannot start at rest
+  double frequency = 0.13;  ///< [Hz] frequency of the first harmonic
+  int harmonics = 5;        ///< number of harmonics, at least 2: a single one cannot start at rest
   double duration = 30.0;   ///< [s] requested; rounded to whole periods, at least two
-  double rate = 200.0;      ///< [Hz] of the samples
+  double rate = 200.0;      ///< [Hz] sample rate
   /// Slow passes back and forth of every joint (for kDiscriminate: of the joints of the two causes) after the
   /// last period, for friction: at constant speed and within all limits. The criterion does not include them.
   int slow_passes = 0;
@@ -73,37 +72,33 @@ struct ExcitationOptions {
   /// The two causes of kDiscriminate: effects, loads, errors of channels. Torque gains, loads and tilts
   /// use the arm's own values.
   std::optional<std::pair<Cause, Cause>> between{};
-  ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
-  /// Above zero, and below 1: the criterion uses the essential parameters only, see EssentialParameters. Not
-  /// available for kDiscriminate.
+  ColumnScaling scaling = ColumnScaling::kNorm;                ///< used by kCondition
+  /// Threshold EssentialParameters::share, at least 0 and below 1. Above 0, the criterion uses the essential
+  /// parameters only; this is not available for kDiscriminate.
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches; the best one is returned
-  /// Iterations of each descent, motions of kRandom in each search. The search ends by this count,
-  /// never by time.
+  /// Iterations of each descent, motions of kRandom in each search. The search ends by this count, never by time.
   int iterations = 400;
-  /// Share of the limits of joints and torques that may be used, above 0 and at most 1. Nullopt:
-  /// margins of a safety supervisor (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of
-  /// torques, whole accelerations, and ranges reduced by 0.25 % at each end and by the braking
-  /// distance.
+  /// Share of the limits of joints and torques that may be used, above 0 and at most 1. Nullopt: margins of a
+  /// safety supervisor (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of torques, whole accelerations, and
+  /// ranges reduced by 0.25 % at each end and by the braking distance.
   std::optional<double> limit_share{};
   /// Share of its designed speed at which the motion is played, above 0 and at most 1: the same path, for a
   /// first run.
   double speed = 1.0;
-  /// [1/s] for the braking distance: a joint stops within dq / braking, see SafetyLimits::braking
+  /// [1/s] a joint stops within dq / braking: the braking distance, see SafetyLimits::braking
   double braking = 30.0;
   /// Friction in addition to that of the robot file, as a later identification will add it.
   JointFriction friction = JointFriction::kAuto;
   WorkspaceLimits workspace{};
-  /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
-  /// torques, and the causes of kDiscriminate are built from it. Nullopt: the arm itself, where it
-  /// has values.
+  /// The arm with values of its bodies (and effects, where it has them): its efforts limit the torques, and the
+  /// causes of kDiscriminate are built from it. Nullopt: the arm itself, where it has values.
   std::optional<Model> powered{};
   /// Torque noise for kDOptimal, kAOptimal and the prediction; nullopt: usual_noise() of the arm
   /// with values for the design, expected_noise() for the prediction.
   std::optional<TorqueNoise> noise{};
-  /// The arm with values for the prediction and kAOptimal only; nullopt: `powered`, or the arm
-  /// itself.
+  /// The arm with values for the prediction and kAOptimal only; nullopt: `powered`, or the arm itself.
   std::optional<Model> valued{};
   /// Motions recorded earlier, whose information is added; sampled at their own rate.
   std::vector<MotionSamples> given{};
@@ -163,9 +158,9 @@ struct Discrimination {
   std::string first, second;
   /// Part of the first cause's torque that remains after regression on all other columns.
   double first_left = 0.0;
-  double second_left = 0.0;  ///< the same of the second cause
-  /// The same as a share of the part that remains after regression on the rest of the model, 0 to
-  /// 1.
+  double second_left = 0.0;  ///< part of the second cause's torque that remains in the same way
+  /// These parts as shares of those that remain after regression on the rest of the model without the other
+  /// cause, 0 to 1.
   double first_share = 0.0, second_share = 0.0;
   bool bodies_known = false;  ///< the causes can be separated only if the bodies are known
 };
@@ -176,9 +171,9 @@ struct Discrimination {
 struct EssentialParameters {
   double share = 0.0;
   int count = 0;
-  double condition_number = 0.0;        ///< of their columns scaled to norm one
-  double plain_condition_number = 0.0;  ///< of the unscaled columns
-  double range_condition_number = 0.0;  ///< of the columns divided by their range
+  double condition_number = 0.0;        ///< condition number of their columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< condition number of the unscaled columns
+  double range_condition_number = 0.0;  ///< condition number of the columns divided by their range
   /// Regrouped parameters and what their columns would add; the largest first.
   std::vector<std::pair<std::string, double>> non_essential{};
 };
@@ -198,9 +193,9 @@ struct Excitation {
   /// where the condition number of scaled columns is the criterion, the base with the smallest one
   /// along this motion is chosen, otherwise the base at random states.
   std::vector<std::string> base{};
-  double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
-  double plain_condition_number = 0.0;  ///< of the unscaled columns
-  /// Columns divided by the difference of their largest and smallest entries.
+  double condition_number = 0.0;        ///< condition number of the base regressor, columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< condition number of the unscaled base regressor
+  /// Condition number of the columns divided by the difference of their largest and smallest entries.
   double range_condition_number = 0.0;
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
   /// Like condition_number, of this motion and the given recordings together; equal without any.
@@ -209,7 +204,7 @@ struct Excitation {
   double log_determinant = 0.0;
   /// Condition number of the first random motion, in the same columns.
   double start_condition_number = 0.0;
-  /// For ExcitationOptions::essential, or for 0.01 if that is zero and some parameter would be regrouped.
+  /// Essential parameters for ExcitationOptions::essential, or for 0.01 if that is zero and any would be regrouped.
   std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The combination of base parameters that the motion identifies worst: names and parts (of norm
@@ -244,8 +239,7 @@ struct Excitation {
 /// Searches for a Fourier trajectory that starts and stops at rest, repeats its period, satisfies all limits
 /// (between samples as well) and optimises the criterion.
 ///
-/// For kDOptimal and kAOptimal every joint uses at least kLittleUse of its range, if the other limits allow
-/// it.
+/// For kDOptimal and kAOptimal every joint uses at least kLittleUse of its range, if the other limits allow it.
 ///
 /// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
 /// continues the best of them on a smooth approximation of the criterion with exact gradients; for

@@ -58,17 +58,17 @@ class FourierTrajectory {
   /// Position, velocity and acceleration at any instants.
   MotionSamples samples(const VectorRef& time) const;
 
-  /// The same with a precomputed basis of this frequency and number of harmonics.
+  /// Position, velocity and acceleration at the instants of a basis with this frequency and number of harmonics.
   MotionSamples samples(const FourierBasis& basis) const;
 
   /// Whole periods sampled at `rate` [Hz] from t = 0 on. The last row is the first instant at or
   /// after the end, with the arm at its start.
   MotionSamples motion(int periods, double rate) const;
 
-  /// The same path at a share of the speed: velocities are multiplied by it, accelerations by its square.
+  /// This path at a share of its speed: velocities are multiplied by `share`, accelerations by its square.
   FourierTrajectory at_speed(double share) const { return {share * frequency_, share * a_, share * b_, q0_}; }
 
-  /// From 256 samples per shortest wave, enlarged by the largest curvature between them, h^2 / 8
+  /// Bounds from 256 samples per shortest wave, enlarged by the largest curvature between them, h^2 / 8
   /// max|f''|.
   MotionBounds bounds() const;
 

@@ -49,7 +49,7 @@ struct PredictedParameter {
 
 struct Prediction {
   TorqueNoise noise;
-  VectorXd rms_torque;  ///< (n) along the motion
+  VectorXd rms_torque;  ///< (n) rms torque along the motion [N m] or [N]
   std::string values;   ///< source of the parameter values, in words
   std::vector<PredictedParameter> parameters;
   double mean_relative = 0.0;  ///< mean of `relative`, without values that are zero
@@ -59,7 +59,7 @@ struct Prediction {
 /// Covariance of the base parameters that weighted least squares would give after recording a motion, in
 /// addition to earlier recordings.
 ///
-/// @param arm    with values, for torques and relative deviations.
+/// @param arm    an arm with values, for torques and relative deviations.
 /// @param given  motions recorded before, with the same noise.
 /// @param base   standard parameters that lead the base parameters, as in BaseRegressor; empty:
 /// those that are best conditioned at random states.

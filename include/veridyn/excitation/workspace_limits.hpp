@@ -20,11 +20,10 @@ struct FrameBox {
 struct Sphere {
   std::string frame;
   double radius = 0.0;              ///< [m]
-  Eigen::Vector3d centre{0, 0, 0};  ///< in the frame [m]
+  Eigen::Vector3d centre{0, 0, 0};  ///< centre in the frame [m]
 };
 
-/// Two spheres do not touch: the distance of their centres is at least the sum of the radii plus
-/// `clearance` [m].
+/// Two spheres do not touch: the distance of their centres is at least the sum of the radii plus `clearance` [m].
 struct SpherePair {
   Sphere first;
   Sphere second;
@@ -35,7 +34,7 @@ struct SpherePair {
 /// to the frame's origin along the frame's z axis [m].
 struct InsertionRange {
   std::string frame;
-  Eigen::Vector3d centre{0, 0, 0};  ///< in the world [m]
+  Eigen::Vector3d centre{0, 0, 0};  ///< remote centre in the world [m]
   double lower = 0.0;
   double upper = 0.0;
 };
@@ -51,14 +50,13 @@ struct Obstacle {
 /// Two links, or a link and an obstacle, keep `clearance` [m] from each other.
 struct CollisionPair {
   std::string first, second;
-  std::vector<Capsule> capsules;      ///< of the first link
-  std::vector<Capsule> others;        ///< of the second link; empty: the second is the obstacle
+  std::vector<Capsule> capsules;      ///< capsules of the first link
+  std::vector<Capsule> others;        ///< capsules of the second link; empty: the second is the obstacle
   std::optional<Obstacle> obstacle{};
   double clearance = 0.0;
 };
 
-/// Default clearance between links: it covers some encoder and mounting errors, and the overshoot of a
-/// controller.
+/// Default clearance between links: it covers some encoder and mounting errors, and the overshoot of a controller.
 constexpr double kLinkClearance = 0.01;
 
 struct CollisionLimits {
@@ -69,8 +67,8 @@ struct CollisionLimits {
   /// "A and B": a link that reaches into an obstacle in every posture. It remains among the pairs, so that no
   /// motion satisfies these limits.
   std::vector<std::string> impossible{};
-  std::vector<Capsule> shapes{};       ///< of the links, as given
-  std::vector<Obstacle> obstacles{};   ///< as given
+  std::vector<Capsule> shapes{};       ///< all capsules that were given
+  std::vector<Obstacle> obstacles{};   ///< all obstacles that were given
 };
 
 /// The pairs of links to keep apart, except links that one joint connects, and frames that do not move

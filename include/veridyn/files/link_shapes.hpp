@@ -11,7 +11,7 @@ namespace veridyn {
 
 /// All points within `radius` of the straight line between two points of a frame [m].
 struct Capsule {
-  std::string frame;  ///< "world": it stands still
+  std::string frame;  ///< "world": fixed in the world
   Eigen::Vector3d from{0, 0, 0};
   Eigen::Vector3d to{0, 0, 0};
   double radius = 0.0;
@@ -23,7 +23,8 @@ struct LinkShape {
   std::string frame;
   Kind kind = Kind::kBox;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< T_frame_shape
-  Eigen::Vector3d size{0, 0, 0};  ///< [m] edges of a box; radius, radius, length of a cylinder; radius thrice
+  Eigen::Vector3d size{0, 0, 0};  ///< [m] edges of a box; (radius, radius, length) of a cylinder; (radius, radius,
+                                  ///< radius) of a sphere
   std::string colour;             ///< "#rrggbb"; empty: none given
   /// Vertices of a mesh, in its own axes [m].
   std::vector<Eigen::Vector3d> points;
@@ -46,8 +47,7 @@ LinkShapes urdf_shapes(const std::string& path, UrdfShapes which);
 /// Capsules that contain all of a shape; a long mesh may need several.
 std::vector<Capsule> capsules_around(const LinkShape& shape);
 
-/// Capsules around all collision shapes of a URDF file; shapes that could not be read are listed in
-/// `remarks`.
+/// Capsules around all collision shapes of a URDF file; shapes that could not be read are listed in `remarks`.
 std::vector<Capsule> collision_capsules(const std::string& urdf, std::vector<std::string>& remarks);
 
 /// A capsule of this radius along every straight line from one joint to the next, for an arm of which only

@@ -1,4 +1,4 @@
-// files/: readers and writers of robot files (YAML, URDF, MJCF, SDF, JSON, C), and what they need of files and words.
+// files/: readers and writers of robot files (YAML, URDF, MJCF, SDF, JSON, C), with helpers for files and text.
 #pragma once
 
 #include <map>
@@ -14,8 +14,7 @@ struct ModelFileOptions {
   std::map<std::string, double> constants;
 };
 
-/// Reads a robot, or a model (a robot with identified values), in the format of
-/// docs/robot-files.md.
+/// Reads a robot, or a model (a robot with identified values), in the format of docs/robot-files.md.
 ///
 /// @param robot  a path that ends in .yaml, .yml, .urdf, .xml, .mjcf or .sdf, or the bare name of a file in
 ///               data/robots/. Bare names are looked for in the folder $VERIDYN_ROBOTS, then in
@@ -46,9 +45,8 @@ Model read_yaml(const std::string& content, const std::string& file,
 /// `value` is the combination of the model's parameters; if they were changed since, the statistics
 /// are not used. `std` follows from `factor` and serves human readers.
 ///
-/// The robot file of a model, laid out like a hand-written one. read_yaml(to_yaml(m)) is m;
-/// expressions of the file are written back where they still have the parameter's value, so that
-/// constants keep their meaning.
+/// The robot file of a model, laid out like a hand-written one. read_yaml(to_yaml(m)) is m; expressions of the file
+/// are written back where they still have the parameter's value, so that constants keep their meaning.
 std::string to_yaml(const Model& arm);
 
 /// Writes to_yaml() to a file. @throws InvalidInput  the file cannot be written.

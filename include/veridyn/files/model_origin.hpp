@@ -8,7 +8,7 @@ namespace veridyn {
 
 /// A file from which a model was computed.
 struct OriginFile {
-  std::string file;  ///< its name without folders, or the name of a recording in memory
+  std::string file;  ///< file name without folders, or the name of a recording in memory
   /// SHA-256 of its bytes, as `sha256sum` prints it; empty for a recording in memory
   std::string sha256;
 };

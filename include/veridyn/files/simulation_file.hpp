@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// A file of a simulation with the values of a model in it.
+/// A simulator's file with the values of a model.
 struct UpdatedFile {
   std::string xml;
   std::vector<std::string> changed;   ///< parts that got other values: "inertial of forearm"
@@ -23,7 +23,7 @@ struct UpdatedFile {
 /// model has bodies without values, or with values that MuJoCo refuses.
 UpdatedFile updated_mjcf(const Model& arm, const std::string& path);
 
-/// The same for SDFormat: inertials, damping, friction, spring_stiffness and spring_reference.
+/// Like updated_mjcf() for SDFormat: inertials, damping, friction, spring_stiffness and spring_reference.
 UpdatedFile updated_sdf(const Model& arm, const std::string& path);
 
 }  // namespace veridyn

@@ -11,10 +11,10 @@ namespace veridyn {
 
 /// Ranges of one joint's torque, speed and position.
 struct TorqueFacts {
-  double minimum = 0.0;  ///< [N m] or [N], filtered
+  double minimum = 0.0;  ///< smallest filtered torque [N m] or [N]
   double maximum = 0.0;
   double largest_speed = 0.0;  ///< [rad/s] or [m/s]
-  double lowest = 0.0;         ///< position [rad] or [m]
+  double lowest = 0.0;         ///< smallest position [rad] or [m]
   double highest = 0.0;
 
   double travel() const { return highest - lowest; }
@@ -31,13 +31,13 @@ struct CompressedRecording {
   MotionPeriod period;
   /// (n) relative error of a perfect model, from repeated periods; empty without repeats
   VectorXd noise_floor;
-  double rows = 0.0;     ///< over all joints
+  double rows = 0.0;     ///< number of rows, summed over all joints
   bool detached = false;  ///< only the factor is available, not the samples
 };
 
-/// @param path     a recording; read twice, first its first minutes for the period, then as a whole.
-/// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does not depend
-/// on the number.
+/// @param path     a recording. It is read twice: its first minutes to find the period, then the whole.
+/// @param threads  one thread reads ahead, the others share the joints; 0: one per core. The result does not
+///   depend on the number.
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads = 1);
 CompressedRecording compress(const Model& arm, const Recording& recording,
@@ -73,12 +73,12 @@ struct ErrorSums {
 /// A decimated series for plots: measured and modelled torque with the motion.
 struct PredictionSeries {
   int wanted = 3000;         ///< number of samples: this many to twice as many are kept
-  std::vector<double> time;  ///< [s] since the recording began
+  std::vector<double> time;  ///< [s] time since the recording began
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 
-/// Second pass: errors of given parameter values on every row of a recording, and on request a
-/// series of some thousand samples.
+/// Computes, in a second pass, the errors of given parameter values on every row of a recording, and on request
+/// a series of some thousand samples.
 ///
 /// @param without_excluded  if not null, set to the errors outside of the intervals that
 /// options.excluded_intervals excludes.

@@ -37,9 +37,9 @@ struct DriveGain {
 
 /// Estimates for one known mass.
 struct MountedLoad {
-  KnownMass known;  ///< with the recordings in which it is mounted
+  KnownMass known;  ///< the known mass, and the recordings in which it is mounted
   bool identified = false;
-  /// [m] in its frame; nullopt if the data do not determine it
+  /// Centre of the load in its frame [m]; nullopt if the data do not determine it.
   std::optional<Eigen::Vector3d> centre;
   Eigen::Vector3d centre_deviation = Eigen::Vector3d::Zero();
 };
@@ -55,16 +55,15 @@ struct DriveGains {
   std::string report() const;
 };
 
-/// Finds the drive gains of an arm that reports motor currents, from recordings with and without a
-/// known mass.
+/// Finds the drive gains of an arm that reports motor currents, from recordings with and without a known mass.
 ///
 ///   current_j = 1/K_j * (Y_j beta + Y_load,j [m, h, L] + effects_j)
 ///
 /// The load's mass m is known; its first moment h and its inertia L, the arm's base parameters beta
-/// and the effects are not. Least squares in beta, h, L, effects and 1/K together (the noise is in
-/// the currents, on the left). The mass scales every joint that it loads, and the parameters that
-/// joints share carry the scale on to the others. Effects that vary from day to day (friction,
-/// offset) are separate unknowns in every recording. Drive gains of the robot file are not used.
+/// and the effects are not. Least squares in beta, h, L, effects and 1/K together (the noise is in the
+/// currents, on the left). The known mass fixes the scale of every joint that it loads, and the parameters that
+/// joints share fix the scale of the others. Effects that vary from day to day (friction, offset) are separate
+/// unknowns in every recording. Drive gains of the robot file are not used.
 ///
 /// If the recordings with the load are not named, the division into two groups that fits best is
 /// used; the heavier group carries it.

@@ -39,7 +39,7 @@ std::string to_bytes(const FactorSet& factors);
 /// the bytes are no factors, are damaged, or have a later version.
 FactorSet factors_from_bytes(const std::string& bytes, const std::string& source = "factors");
 
-/// The same in a file. @throws InvalidInput  also if it cannot be read or written.
+/// Writes and reads these bytes as a file. @throws InvalidInput  also if it cannot be read or written.
 void save_factors(const FactorSet& factors, const std::string& path);
 FactorSet read_factors(const std::string& path);
 

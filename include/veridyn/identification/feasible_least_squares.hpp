@@ -13,9 +13,8 @@ namespace veridyn {
 ///   minimise    ||R*x - z||^2 + rho2
 ///   subject to  J_k(x) positive semidefinite for every body k,   G*x <= h
 ///
-/// R (rows x n) may have any shape and rank; pass the (n x n) square-root factor of long
-/// recordings, since every iteration multiplies by R. rho2 is the part of the sum of squares
-/// outside the factor.
+/// R (rows x n) may have any shape and rank; pass the (n x n) square-root factor of long recordings, since every
+/// iteration multiplies by R. rho2 is the part of the sum of squares outside the factor.
 struct FeasibleProblem {
   MatrixXd R;                     ///< (rows x n)
   VectorXd z;                     ///< (rows)
@@ -61,7 +60,7 @@ struct FeasibleOptions {
   /// of ||z||/||R_j|| and the width of the interval that the bounds leave to x_j; a body when
   /// smallest_scaled_eigenvalue(J_k - margin*1) <= active_tolerance.
   double active_tolerance = 1e-6;
-  int max_iterations = 100;  ///< per attempt; up to three attempts if no feasible point is met
+  int max_iterations = 100;  ///< limit per attempt; up to three attempts if no feasible point is met
   EntropicPrior entropic_prior;
   QuadraticPrior quadratic_prior;
 };
@@ -78,12 +77,12 @@ enum class FeasibleStatus {
   kNotConverged
 };
 
-/// Foundation of the lower bound, or of the verdict kInfeasible.
+/// Basis of the lower bound, or of the status kInfeasible.
 enum class Certificate {
   kRigorous,  ///< weak duality; dual residuals and rounding multiplied by bounds that follow from
               ///< G, h and J >= 0
-  /// some parameter has no such bound; its |x_j| was assumed below 2*|x_j| + ||z||/||R_j|| (2*|x_j|
-  /// where R does not see it). See `unbounded_columns`.
+  /// some parameter has no such bound; its |x_j| was assumed below 2*|x_j| + ||z||/||R_j|| (2*|x_j| if column
+  /// R_j is zero). See `unbounded_columns`.
   kNoBox
 };
 
@@ -98,7 +97,7 @@ struct ActiveRow {
 struct ActiveBody {
   int body = 0;                    ///< index into body_columns
   double scaled_eigenvalue = 0.0;  ///< smallest_scaled_eigenvalue of its matrix minus the margin
-  Eigen::Vector4d eigenvalues;     ///< of its matrix, ascending
+  Eigen::Vector4d eigenvalues;     ///< eigenvalues of its matrix, ascending
   Eigen::Matrix4d multiplier;      ///< Z_k >= 0: d cost = <Z_k, d(margin*1)>
 };
 

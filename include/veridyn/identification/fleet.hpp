@@ -28,12 +28,12 @@ struct FleetOptions {
   std::function<void(const std::string&, double)> progress;
 };
 
-/// A parameter that differs from arm to arm, over the fleet.
+/// Distribution over the fleet of a parameter that differs from arm to arm.
 struct FleetSpread {
   std::string name;
   std::string unit;
   double median = 0.0;
-  double spread = 0.0;  ///< robust standard deviation over the arms, 1.4826 of the median deviation
+  double spread = 0.0;  ///< robust standard deviation over the arms: 1.4826 times the median deviation
   int arms = 0;         ///< number of arms that identify it
 };
 
@@ -41,7 +41,7 @@ struct FleetSpread {
 struct FleetOutlier {
   std::string arm;
   std::string what;   ///< a parameter, or "torque_gain:JOINT"
-  std::optional<JointIndex> joint;  ///< nothing for a parameter of no joint
+  std::optional<JointIndex> joint;  ///< nullopt for a parameter of no joint
   double value = 0.0; ///< value of the arm
   double median = 0.0;
   double deviations = 0.0;  ///< robust standard deviations away from the fleet
@@ -54,7 +54,7 @@ struct FleetLeftOut {
   std::string arm;
   JointIndex joint;             ///< the joint of the largest deviation
   double with_fleet = 0.0;  ///< unexplained share of that joint's torque with the fleet's bodies
-  double with_own = 0.0;        ///< the same with bodies of its own
+  double with_own = 0.0;        ///< unexplained share with bodies of its own
   double excess = 0.0;          ///< ln of the squared ratio of the two, the largest over the joints
   double median_excess = 0.0;   ///< median of `excess` over the fleet
   double deviations = 0.0;      ///< robust standard deviations from that median
@@ -73,8 +73,8 @@ struct FleetMember {
   int recordings = 0;
   double rows = 0.0;
   VectorXd own;  ///< values of its own parameters; NaN if its data do not determine them
-  VectorXd relative_error;  ///< (n) with the fleet's bodies and its own values
-  VectorXd alone_error;     ///< (n) with bodies of its own
+  VectorXd relative_error;  ///< (n) relative error with the fleet's bodies and the arm's own values
+  VectorXd alone_error;     ///< (n) relative error with the arm's own bodies
 };
 
 struct Fleet {
@@ -101,10 +101,9 @@ struct Fleet {
 ///
 ///   min over beta, eta_1 .. eta_N of  sum_a || W (Y_a beta + F_a eta_a - tau_a) ||^2
 ///
-/// The matrix is a block arrow. Each arm's own columns are eliminated from its factor by QR, the
-/// rest over beta is merged, beta is solved for and substituted for every eta_a: the cost is linear
-/// in the number of arms, and samples are read once. Source: Bierman, 1977, ch. VII (considered and
-/// local parameters).
+/// The matrix is a block arrow. Each arm's own columns are eliminated from its factor by QR, the rest over beta is
+/// merged, beta is solved for and substituted for every eta_a: the cost is linear in the number of arms, and
+/// samples are read once. Source: Bierman, 1977, ch. VII (considered and local parameters).
 ///
 /// With fewer than three arms with data of their own the result has a reason and no model.
 /// @throws InvalidInput  fewer than three arms are left because files cannot be used, or factors
@@ -112,7 +111,7 @@ struct Fleet {
 Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
                      const FleetOptions& options = {});
 
-/// The same from factors in memory, one set per arm.
+/// identify_fleet() from factors in memory, one set per arm.
 Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names,
                      const std::vector<FactorSet>& factors, const FleetOptions& options = {});
 

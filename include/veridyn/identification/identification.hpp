@@ -17,8 +17,8 @@ namespace veridyn {
 
 enum class Method {
   kOls,       ///< ordinary least squares on the base parameters
-  kWls,       ///< the rows of each joint weighted
-  kFeasible,  ///< weighted, and every body physically possible
+  kWls,       ///< weighted least squares, with one weight for the rows of each joint
+  kFeasible,  ///< weighted least squares, in which every body is physically possible
   kIv,     ///< instrumental variables from a simulated motion; not from factors
   kDidim,  ///< least squares along a simulated motion alone; not from factors
 };
@@ -43,7 +43,7 @@ struct IdentificationOptions {
   /// Friction that is identified in addition to that of the robot file; see Identification::remarks.
   JointFriction friction = JointFriction::kAuto;
   PreprocessingOptions preprocessing;
-  std::optional<PreprocessingOptions> test_preprocessing;  ///< of the test recordings; nullopt: the same
+  std::optional<PreprocessingOptions> test_preprocessing;  ///< options for test recordings; nullopt: the same
   /// For kFeasible: regularises towards the inertial parameters of this model, by the entropic
   /// divergence; its bodies need values.
   std::optional<Model> prior;
@@ -52,11 +52,10 @@ struct IdentificationOptions {
   /// Known loads in some training recordings: the drive gains are identified first, see find_drive_gains(),
   /// and then the arm from the recordings without a load.
   std::vector<KnownMass> known_masses;
-  /// For identify() of recordings: a recorded velocity that is noisier than its position's
-  /// derivative, or wrong in scale, is replaced by that derivative if this lowers the error of the
-  /// joint's torque on the training recordings by at least 2 %; Identification::preprocessing has
-  /// the choice. Factors keep the choice made when they were compressed; Filtering::kSignals, which
-  /// filters the velocity itself, keeps the recorded velocity.
+  /// For identify() of recordings: a recorded velocity that is noisier than its position's derivative, or wrong in
+  /// scale, is replaced by that derivative if this lowers the error of the joint's torque on the training
+  /// recordings by at least 2 %; Identification::preprocessing has the choice. Factors keep the choice made when
+  /// they were compressed; Filtering::kSignals, which filters the velocity itself, keeps the recorded velocity.
   bool choose_velocities = true;
   int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (current activity, share done) between recordings.
@@ -78,30 +77,29 @@ struct BaseValue {
   std::string expression;
   std::string unit;
   double value = 0.0;
-  double std = 0.0;  ///< block jackknife, so that correlated samples do not count as independent
+  double std = 0.0;  ///< standard deviation by block jackknife, valid for correlated samples
 };
 
 /// Errors of the identified model on one recording.
 struct RecordingError {
   std::string source;
-  PredictionError error;  ///< on every row, as recorded
-  /// On every row, with repeated rows of a late publisher interpolated; empty if there were none.
+  PredictionError error;  ///< errors on every row, as recorded
+  /// Errors on every row, with repeated rows of a late publisher interpolated; empty if there were none.
   PredictionError repaired;
-  /// Outside of the intervals of PreprocessingOptions::excluded_intervals; empty if none is in this
+  /// Errors outside of the intervals of PreprocessingOptions::excluded_intervals; empty if none is in this
   /// recording.
   PredictionError without_excluded;
   FilledRows filled;
   long rows = 0;         ///< rows of the file
-  VectorXd noise_floor;  ///< relative, (n); empty if nothing repeats
-  double period = 0.0;   ///< [s] of the motion; 0: no repetition
+  VectorXd noise_floor;  ///< relative noise floor (n); empty if nothing repeats
+  double period = 0.0;   ///< [s] period of the motion; 0: no repetition
   PredictionSeries series;
-  std::string learned_from;  ///< of a test recording: a training recording that holds its rows, so that its error is not held out
+  std::string learned_from;  ///< for a test recording: a training recording that contains its rows
 };
 
-/// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated
-/// with that of its torque; if it is rejected, least squares is biased. F statistic of an augmented
-/// regression, for the number of independent samples from the jackknife (Janot, Vandanjon and Gautier, IEEE
-/// Trans. CST 22(1), 2014).
+/// Durbin-Wu-Hausman test of one joint, of the hypothesis that the noise of its regressor is uncorrelated with that
+/// of its torque; if it is rejected, least squares is biased. F statistic of an augmented regression, for the
+/// number of independent samples from the jackknife (Janot, Vandanjon and Gautier, IEEE Trans. CST 22(1), 2014).
 struct EndogeneityTest {
   double statistic = 0.0;          ///< F
   double numerator_freedom = 0.0;  ///< 0: the two motions have the same columns
@@ -136,32 +134,33 @@ struct Identification {
   PreprocessingOptions preprocessing, test_preprocessing;
   double rows = 0.0;
   std::vector<BaseValue> base;
-  double condition_number = 0.0;         ///< of the unscaled base columns
-  double condition_number_scaled = 0.0;  ///< of the base columns scaled to norm one (thesis 5.26)
+  double condition_number = 0.0;         ///< condition number of the unscaled base columns
+  double condition_number_scaled = 0.0;  ///< condition number of the base columns scaled to norm one (thesis 5.26)
   double rank_gap = 0.0;
   double effective_samples = 0.0;  ///< effective sample size: rows corrected for autocorrelation
   bool feasible = false;           ///< every body's pseudo-inertia is positive definite
   double objective = 0.0;          ///< weighted sum of squares
-  double unconstrained_objective = 0.0;  ///< of unconstrained least squares on the same rows: <= objective
+  double unconstrained_objective = 0.0;  ///< objective of unconstrained least squares on the same rows
   double duality_gap = 0.0;
   /// The duality gap is rigorous, because the robot file bounds all parameters.
   bool certified = false;
   std::vector<std::string> active_constraints;
-  std::vector<EndogeneityTest> endogeneity;  ///< (n) with kIv and kDidim; empty otherwise
+  std::vector<EndogeneityTest> endogeneity;  ///< (n) tests of kIv and kDidim; empty for other methods
   /// Standard parameters of the arm that these recordings do not determine.
   std::vector<std::string> undetermined;
   std::vector<std::string> still_joints;  ///< coordinates that never move
-  std::vector<std::string> still_in_test;  ///< coordinates that hardly move in the test recordings: these judge neither their friction nor their inertia
+  std::vector<std::string> still_in_test;  ///< coordinates that hardly move in the test recordings, whose errors
+                                           ///< therefore do not test their friction or inertia
   std::vector<RecordingError> train, test;
-  PredictionError train_error, test_error;  ///< over all recordings, on every row as recorded
-  /// Over all recordings, see RecordingError; empty where no row was interpolated or excluded.
+  PredictionError train_error, test_error;  ///< errors over all recordings, on every row as recorded
+  /// Errors over all recordings, see RecordingError; empty where no row was interpolated or excluded.
   PredictionError train_repaired, test_repaired, train_without_excluded, test_without_excluded;
-  VectorXd noise_floor;           ///< relative, (n), of the training recordings
-  VectorXd parameters;            ///< all standard parameters
-  VectorXd parameter_deviations;  ///< NaN where only a combination is determined
+  VectorXd noise_floor;           ///< (n) relative noise floor of the training recordings
+  VectorXd parameters;            ///< values of all standard parameters
+  VectorXd parameter_deviations;  ///< standard deviations; NaN where only a combination is determined
   std::optional<Model> model;     ///< the arm with these values
-  std::vector<CompressedRecording> factors;  ///< of the training recordings, for computations without their samples
-  /// Sentences on recordings that cannot serve as what they are given for.
+  std::vector<CompressedRecording> factors;  ///< factors of the training recordings, which replace their samples
+  /// Sentences on recordings that are unsuitable as training or test data.
   std::vector<std::string> warnings;
   /// Sentences on friction added to that of the robot file, and on every velocity that was replaced
   /// by the derivative of the position, see choose_velocities.
@@ -175,11 +174,10 @@ struct Identification {
   /// One sentence: joints by state, with the recommendation, see verdict_of(); without a model the reason.
   std::string verdict() const;
 };
-/// The report.
+/// Writes report().
 std::ostream& operator<<(std::ostream& out, const Identification& id);
 
-/// Identifies the arm from training recordings and validates it on test recordings, which are not
-/// used in the fit.
+/// Identifies the arm from training recordings and validates it on test recordings, which are not used in the fit.
 ///
 /// @param train, test  paths of recordings, or recordings in memory.
 /// @throws InvalidInput  a file is bad or does not fit the arm. Data that do not suffice are a

@@ -17,7 +17,7 @@ struct JointScore {
   double moving = 0.0;   ///< `error` on samples at which the joint moves
   double floor = 0.0;    ///< relative difference between repeats of the motion; NaN where nothing repeats
 };
-/// "joint 2 (pitch): error 3.21 % of its torque, 1.1 % between repeats".
+/// Writes "joint 2 (pitch): error 3.21 % of its torque, 1.1 % between repeats".
 std::ostream& operator<<(std::ostream& out, const JointScore& score);
 
 /// Scores of an identified model on recordings that were not used in its fit, with the preprocessing
@@ -25,7 +25,7 @@ std::ostream& operator<<(std::ostream& out, const JointScore& score);
 /// @throws InvalidInput  there is no model (see status), or a recording is bad or does not fit the arm.
 std::vector<JointScore> validate(const Identification& fit, const Recordings& recordings);
 
-/// The same for any arm with values. @throws InvalidInput  as evaluate(); recordings without usable rows.
+/// Scores of any arm with values. @throws InvalidInput  as evaluate(); recordings without usable rows.
 std::vector<JointScore> validate(const Model& arm, const Recordings& recordings,
                                  const IdentificationOptions& options = {});
 

@@ -11,8 +11,8 @@ namespace veridyn {
 /// Export of one body.
 struct PortableBody {
   std::string frame;
-  double mass_before = 0.0;               ///< [kg] in the model file
-  double mass = 0.0;                      ///< [kg] as exported
+  double mass_before = 0.0;               ///< [kg] mass in the model file
+  double mass = 0.0;                      ///< [kg] exported mass
   /// Names among m, hx, ... Lzz that the torques do not determine.
   std::vector<std::string> undetermined;
 };

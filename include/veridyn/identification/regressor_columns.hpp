@@ -16,12 +16,11 @@ struct JointRows {
   std::vector<int> parameters;  ///< indices of the standard parameters that act on this joint
   MatrixXd A;                   ///< (samples x parameters)
   VectorXd b;                   ///< (samples) torque [N m] or [N]
-  VectorXd time;                ///< (samples) [s] since the recording began
+  VectorXd time;                ///< (samples) [s] time since the recording began
 };
 
-/// Computes rows of least squares from segments of samples, filtered and decimated according to the
-/// options. Parameters that the robot file declares as known have no column: their torque is
-/// subtracted from b.
+/// Computes rows of least squares from segments of samples, filtered and decimated according to the options.
+/// Parameters that the robot file declares as known have no column: their torque is subtracted from b.
 class RegressorColumns {
  public:
   RegressorColumns(const Model& arm, const PreprocessingOptions& options);
@@ -39,8 +38,7 @@ class RegressorColumns {
     int first, end;
   };
 
-  /// Divides the joints into groups, such that the columns of a group over this many rows need a few
-  /// megabytes.
+  /// Divides the joints into groups, such that the columns of a group over this many rows need a few megabytes.
   std::vector<Joints> groups(Eigen::Index rows) const;
 
   /// Like rows() for the joints of one group, in its order.

@@ -39,14 +39,14 @@ namespace veridyn {
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options = {});
 
-/// The same for a recording in memory, whose joints are the arm's in its order.
+/// check_against() for a recording in memory, whose joints are the arm's in its order.
 std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
                                           const PreprocessingOptions& options = {});
 
 /// True for a contradiction that check_against() found, except warnings and information.
 bool is_contradiction(const QualityFinding& finding);
 
-/// Both lists, worst first, without findings of `quality` that a contradiction explains.
+/// The findings of both lists, worst first, without those of `quality` that a contradiction explains.
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality);
 
 /// Contradictions in recordings that an identification explains badly; empty, without computation, if no error is large.

@@ -7,8 +7,7 @@
 
 namespace veridyn {
 
-/// Share of a joint's range and speed below which its motion identifies neither friction nor
-/// inertia.
+/// Share of a joint's range and speed below which its motion identifies neither friction nor inertia.
 constexpr double kHardlyMoves = 0.05;
 
 /// Quality of an identification for one joint.
@@ -16,7 +15,7 @@ enum class IdentifiedState {
   kAtFloor,      ///< the residual is little above the noise floor
   kUnexplained,  ///< the residual is far above the floor: the model is incomplete
   kHardlyMoved,  ///< the joint hardly moves in the recordings
-  kNoTorque,     ///< its torque is always zero: it was not recorded, or the joint was not driven
+  kNoTorque,     ///< the joint's torque is always zero: it was not recorded, or the joint was not driven
   kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown, or the joint hardly moves in the test
 };
 /// "at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell".
@@ -25,7 +24,7 @@ const char* name_of(IdentifiedState state);
 struct IdentifiedJoint {
   std::string joint;
   IdentifiedState state = IdentifiedState::kCannotTell;
-  double error = 0.0;  ///< relative, on held-out recordings if there are any, else on the training
+  double error = 0.0;  ///< relative error on held-out recordings if there are any, else on the training recordings
   double floor = 0.0;  ///< relative noise floor; NaN if nothing repeats
   /// Share of the joint's range covered by the training; NaN: no limits in the file.
   double range = 0.0;
@@ -35,7 +34,7 @@ struct IdentifiedJoint {
 /// Quality of an identification joint by joint, with the recommended next step.
 struct IdentificationVerdict {
   std::vector<IdentifiedJoint> joints;
-  bool held_out = false;  ///< errors are of held-out recordings, of which no row was learned from
+  bool held_out = false;  ///< errors are those of held-out recordings, of which no row is in the training
   std::string sentence;   ///< joints by state, with the recommendation
 };
 

@@ -19,7 +19,7 @@ struct JointCoefficient {
 struct SupportingCoordinate {
   int coordinate;
   int parent_entry;    ///< index of the same coordinate among those of the parent link, or -1
-  double coefficient;  ///< in the link's own joint variable, or 0
+  double coefficient;  ///< coefficient of the coordinate in the link's own joint variable, or 0
 };
 
 /// T_parent_link = A * J(s) * B, where J turns about z or slides along z.
@@ -30,16 +30,16 @@ struct Link {
   JointType type;
   bool A_moves;  ///< false: the joint's origin coincides with the parent's
   bool B_is_identity;
-  bool forks;  ///< has a child other than the next link
+  bool forks;  ///< true: some child of the link is not the next link
   bool quarter_turn;  ///< A turns about x by exactly +-90 degrees, as most axes of most arms do
   Posed A;        ///< T_parent_joint
   Posed B;        ///< T_joint_link
   double offset;  ///< s0
   int first_coefficient, end_coefficient;
-  int first_support, end_support;  ///< in ascending order of coordinates
+  int first_support, end_support;  ///< range of its supporting coordinates, which ascend
 };
 
-/// A body's place on a link.
+/// The pose of a body or of a frame on a link.
 struct BodyPlace {
   int link;  ///< -1: the world
   bool is_identity;
@@ -51,7 +51,7 @@ struct LinkPair {
   int first, second;
 };
 
-/// Parents before children. The arrays belong to a Tree.
+/// The links of an arm, parents before children. The arrays belong to a Tree.
 struct Links {
   int joints;
   int count;     ///< links
@@ -66,10 +66,10 @@ struct Links {
   /// whole number of the widest vectors.
   const double* seeds;
   int seed_width;
-  /// Every link has a coordinate of its own and every coordinate a link: joint variables are
-  /// independent then, and the mass matrix can be factored along the tree.
+  /// True: every link has a coordinate of its own and every coordinate a link, so that joint variables are
+  /// independent and the mass matrix can be factored along the tree.
   bool independent;
-  bool in_order;  ///< in addition, coordinate k is the joint variable of link k, up to a coefficient
+  bool in_order;  ///< true: in addition, coordinate k is the joint variable of link k, up to a coefficient
   const LinkPair* stranger;  ///< pairs of links of which none carries the other
   int strangers;
 };

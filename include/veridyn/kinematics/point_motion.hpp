@@ -12,11 +12,12 @@ namespace veridyn {
 /// after the constructor.
 class PointMotion {
  public:
-  /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param frame  index in the model.
-  /// @param offset  of the point, in the frame.
+  /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param frame  index in the model. @param
+  ///   offset  position of the point in the frame [m].
   PointMotion(const Tree& arm, int frame, const Vec3d& offset = {0, 0, 0});
 
-  /// Computes everything. @param q, dq  n entries each. Cost: O(joints above the frame).
+  /// Computes pose, twist, Jacobian and its derivative. @param q, dq  n entries each. Cost: O(joints above the
+  /// frame).
   void update(const double* q, const double* dq) noexcept;
   /// Computes pose and Jacobian; the rest stays as it is.
   void update(const double* q) noexcept;
@@ -25,9 +26,9 @@ class PointMotion {
 
   int joints() const { return tree_.joints; }
   const Posed& pose() const { return T_; }         ///< T_world_frame, its origin at the point
-  const Vec3d& velocity() const { return v_; }     ///< of the point
+  const Vec3d& velocity() const { return v_; }     ///< velocity of the point
   const Vec3d& omega() const { return omega_; }
-  /// (6 x n), linear rows first; and its time derivative.
+  /// The geometric Jacobian (6 x n), linear rows first; and its time derivative.
   const MatrixXd& jacobian() const { return J_; }
   const MatrixXd& jacobian_rate() const { return dJ_; }
 
@@ -42,8 +43,8 @@ class PointMotion {
 
   Tree tree_;
   Posed T_link_point_;
-  std::vector<Axis> axes_;  // from the world to the point
-  std::vector<double> angle_, sine_, cosine_;  // of the axes, in whole packs
+  std::vector<Axis> axes_;  // axes from the world to the point
+  std::vector<double> angle_, sine_, cosine_;  // angles of the axes, in whole packs
   Posed T_{identity_pose()};
   Vec3d v_{0, 0, 0}, omega_{0, 0, 0};
   MatrixXd J_, dJ_;

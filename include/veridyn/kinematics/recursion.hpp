@@ -13,8 +13,7 @@
 
 namespace veridyn {
 
-/// Scalar type of constants in arithmetic with S: float where S is float, so that nothing is
-/// promoted to double.
+/// Scalar type of constants in arithmetic with S: float where S is float, so that nothing is promoted to double.
 template <typename S>
 struct ConstantOf {
   using type = double;
@@ -35,7 +34,7 @@ inline Mat3<typename ConstantOf<S>::type> constant(const Mat3d& R) {
   return {constant<S>(R.row0), constant<S>(R.row1), constant<S>(R.row2)};
 }
 
-/// E = [alpha]x + [omega]x [omega]x by columns: a point at p accelerates by E p against the origin.
+/// E = [alpha]x + [omega]x [omega]x by columns: E p is the acceleration of a point at p relative to the origin.
 template <typename S>
 struct Spin {
   Vec3<S> x, y, z;
@@ -65,10 +64,10 @@ inline Vec3<S> apply(const Spin<S>& E, const Vec3<C>& p) {
 template <typename S>
 struct LinkState {
   S s, ds, dds;      ///< joint variable and its derivatives
-  S sine, cosine;    ///< of s; only where the joint is revolute
+  S sine, cosine;    ///< sine and cosine of s; only where the joint is revolute
   Mat3<S> R;         ///< R_parent_joint
   Vec3<S> omega;     ///< angular velocity
-  Vec3<S> alpha;     ///< its derivative
+  Vec3<S> alpha;     ///< angular acceleration
   Vec3<S> accel;     ///< acceleration of the origin, minus gravity
   Spin<S> E;         ///< spin matrix of omega and alpha
   Vec3<S> force;     ///< force and moment that move the link and all that it carries
@@ -127,7 +126,7 @@ inline void transform_motion(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
 
 }  // namespace recursion_detail
 
-/// c . x of one link's joint variable.
+/// The product c . x over the coordinates of one link's joint variable.
 template <typename S>
 inline S along_joint(const Links& tree, const Link& link, const S* x) {
   using C = typename ConstantOf<S>::type;
@@ -159,15 +158,15 @@ inline void rotation_step(const Link& link, LinkState<S>& at) {
           {A.row2.x * c + A.row2.y * s, A.row2.y * c - A.row2.x * s, S(A.row2.z)}};
 }
 
-/// R' a: from the axes of the parent to those of the joint. Five products suffice where A is a
-/// quarter turn.
+/// The product R' a, which changes from the axes of the parent to those of the joint. If A is a quarter turn,
+/// five products suffice.
 template <typename S, typename V>
 inline Vec3<V> to_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
   if (!link.quarter_turn) return rotate_back(R, a);
   return {R.row0.x * a.x + R.row2.x * a.z, R.row0.y * a.x + R.row2.y * a.z, R.row1.z * a.y};
 }
 
-/// R a: from the axes of the joint to those of the parent.
+/// The product R a, which changes from the axes of the joint to those of the parent.
 template <typename S, typename V>
 inline Vec3<V> from_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
   if (!link.quarter_turn) return rotate(R, a);

@@ -67,16 +67,16 @@ struct Tree {
   std::vector<Link> links;
   std::vector<JointCoefficient> coefficients;
   std::vector<SupportingCoordinate> supports;
-  std::vector<BodyPlace> bodies;   ///< place of each body, in the model's order
-  std::vector<BodyPlace> frames;   ///< place of each frame of the model
+  std::vector<BodyPlace> bodies;   ///< pose of each body on its link, in the model's order
+  std::vector<BodyPlace> frames;   ///< pose of each frame of the model on its link
   std::vector<int> body_links;     ///< link of each body
-  std::vector<int> link_of_frame;  ///< -1 where folded away
+  std::vector<int> link_of_frame;  ///< link of each frame; -1: the frame is folded away
   Vec3d gravity{0, 0, 0};
   std::vector<double> seeds;
   int seed_width = 0;
   std::vector<LinkPair> strangers;
-  bool independent = true;  ///< so far no coordinate moves two links and no link follows two or none
-  bool in_order = true;     ///< so far coordinate k alone moves link k
+  bool independent = true;  ///< true as long as no coordinate moves two links and every link follows exactly one
+  bool in_order = true;     ///< true as long as coordinate k alone moves link k
 };
 
 inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,

@@ -11,8 +11,8 @@ MatrixXd orthonormal_basis(const MatrixRef& columns);
 /// decomposition.
 VectorXd least_norm(const MatrixRef& A, const VectorRef& b);
 
-/// The x that minimises |A x - b|; by QR with column pivoting. (A.colPivHouseholderQr() of an
-/// expression is compiled again in each file, which takes seconds.)
+/// The x that minimises |A x - b|; by QR with column pivoting. It is a function because each file that
+/// instantiates A.colPivHouseholderQr() for an expression takes seconds longer to compile.
 VectorXd least_squares_solution(const MatrixRef& A, const VectorRef& b);
 
 /// Solves A x = b for a symmetric A; by LDLT.

@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-// Vectors, rotations and poses of the recursion as Eigen's, and back.
+// Conversions of the recursion's vectors, rotations and poses to Eigen's, and back.
 
 inline Eigen::Vector3d eigen(const Vec3d& v) { return {v.x, v.y, v.z}; }
 

@@ -16,7 +16,7 @@ Number median(std::vector<Number> values) {
   return *middle;
 }
 
-/// Factor from the median deviation to the standard deviation of a normal distribution.
+/// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 constexpr double kMadToDeviation = 1.4826;
 
 /// The median step from one time to the next.

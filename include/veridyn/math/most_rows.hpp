@@ -2,8 +2,8 @@
 
 namespace veridyn {
 
-/// Number of rows with this many numbers each that fill a quarter of the machine's memory; the rest is for
-/// copies and results. A larger request comes from a wrong rate or duration and is refused.
+/// Number of rows of this many doubles that fill a quarter of the machine's memory; the rest remains for copies
+/// and results. Callers refuse to create more, since a larger number results from a wrong rate or duration.
 double most_rows(double numbers_per_row);
 
 }  // namespace veridyn

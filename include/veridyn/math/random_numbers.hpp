@@ -15,13 +15,13 @@ class RandomNumbers {
     engine_.seed(sequence);
   }
 
-  /// Uniform in [0, 1).
+  /// A number that is uniform in [0, 1).
   double uniform() { return static_cast<double>(engine_()) * 0x1p-32; }
 
-  /// Uniform in [low, high).
+  /// A number that is uniform in [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 
-  /// Mean 0, variance 1; Box and Muller, Annals of Mathematical Statistics 29(2), 1958.
+  /// A normal number of mean 0 and variance 1; Box and Muller, Annals of Mathematical Statistics 29(2), 1958.
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * M_PI * uniform());

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// Sine and cosine in one call; packs and dual numbers have overloads of their own.
+/// Sine and cosine in one call; overloads for packs and dual numbers exist beside those types.
 inline void sine_cosine(double x, double& sine, double& cosine) {
   sine = std::sin(x);
   cosine = std::cos(x);

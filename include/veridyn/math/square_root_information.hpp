@@ -8,8 +8,7 @@
 
 namespace veridyn {
 
-/// Least-squares information of any number of rows A x ~ b, in memory that depends on the number of
-/// columns alone:
+/// Least-squares information of any number of rows A x ~ b, in memory that depends on the number of columns alone:
 ///
 ///   || A x - b ||^2  =  || R x - z ||^2 + rho^2
 ///
@@ -32,17 +31,17 @@ class SquareRootInformation {
   const std::vector<std::string>& columns() const { return *columns_; }
   int size() const { return static_cast<int>(columns_->size()); }
 
-  /// (size() x size()), computed at every call.
+  /// The triangle R, (size() x size()), computed at every call.
   MatrixXd R() const;
   VectorXd z() const;
 
-  /// Squared residual that no x can remove.
+  /// The squared residual rho^2 that no x can remove.
   double rho2() const;
 
-  /// Rows absorbed so far.
+  /// Number of rows absorbed so far.
   double rows() const { return rows_; }
 
-  /// || b ||^2 of all rows.
+  /// The sum || b ||^2 over all rows.
   double rhs_norm2() const { return z_.squaredNorm() + rho2_; }
 
   /// Adds the rows of A x ~ b; A is (rows x size()). Householder reflections in panels (compact
@@ -50,21 +49,20 @@ class SquareRootInformation {
   /// a thread's first call of a size.
   void absorb(const MatrixRef& A, const VectorRef& b);
 
-  /// Adds the rows of another factor, each scaled by `weight`. Columns that only the other one has
-  /// are appended.
+  /// Adds the rows of another factor, each scaled by `weight`. Columns that only the other one has are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
 
-  /// The same, but columns that this factor does not have are ignored.
+  /// Like merge(), but columns that this factor does not have are ignored.
   void merge_known(const SquareRootInformation& other, double weight = 1.0);
 
-  /// || A x - b ||^2 for x in the order of columns().
+  /// The squared residual || A x - b ||^2 for x in the order of columns().
   double residual2(const VectorRef& x) const;
 
-  /// The same rows restricted to these columns, in this order. A column that the factor does not
+  /// A factor of these rows restricted to the given columns, in their order. A column that the factor does not
   /// have is zero.
   SquareRootInformation restricted(const std::vector<std::string>& columns) const;
 
-  /// The same rows after a change of variables x = T y: columns are named anew. T is (size() x new
+  /// A factor of these rows after a change of variables x = T y: columns are named anew. T is (size() x new
   /// size).
   SquareRootInformation transformed(const MatrixRef& T, std::vector<std::string> columns) const;
 
@@ -89,7 +87,7 @@ class SquareRootInformation {
 
   Names columns_ = no_names();
   Eigen::RowVectorXd data_;  // row by row: all columns of unfactored rows; of a triangle the columns from the diagonal on
-  VectorXd z_;               // their right-hand sides
+  VectorXd z_;               // right-hand sides of those rows
   double rho2_ = 0.0;
   double rows_ = 0.0;
 };

@@ -48,13 +48,13 @@ inline auto cross(const Vec3<A>& a, const Vec3<B>& b) -> Vec3<decltype(a.x * b.x
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// R * a.
+/// The product R * a.
 template <typename A, typename B>
 inline auto rotate(const Mat3<A>& R, const Vec3<B>& a) -> Vec3<decltype(R.row0.x * a.x)> {
   return {dot(R.row0, a), dot(R.row1, a), dot(R.row2, a)};
 }
 
-/// R' * a.
+/// The product R' * a.
 template <typename A, typename B>
 inline auto rotate_back(const Mat3<A>& R, const Vec3<B>& a) -> Vec3<decltype(R.row0.x * a.x)> {
   return {R.row0.x * a.x + R.row1.x * a.y + R.row2.x * a.z,

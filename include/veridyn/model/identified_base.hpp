@@ -34,8 +34,8 @@ struct IdentifiedBase {
   std::vector<std::string> recordings;  ///< names of the training recordings
   int clusters = 0;                     ///< Clusters of the jackknife; its degrees of freedom are one fewer
   VectorXd error;  ///< (n) relative error on the training recordings
-  /// (n) [N m] or [N] deviation of white noise of one sample in 0.1 s that has the effect of the
-  /// residual; or empty
+  /// (n) [N m] or [N] standard deviation of white noise, with one independent sample in 0.1 s, that would have
+  /// the effect of the residual; may be empty.
   VectorXd noise;
   /// (clusters x n) share of every cluster in the information of each joint. Where one motion was
   /// recorded twice the shares repeat, and its clusters are pairs. Empty where not known.

@@ -7,7 +7,7 @@ namespace veridyn {
 /// Roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF.
 Mat3d rotation_from_rpy(const Vec3d& rpy);
 
-/// The inverse; yaw is 0 where pitch is +-pi/2.
+/// Roll, pitch, yaw [rad] of R; yaw is 0 where pitch is +-pi/2.
 Vec3d rpy_from_rotation(const Mat3d& R);
 
 /// Placement of a frame that turns about, or slides along, any line, as in URDF:
@@ -25,7 +25,7 @@ void place(Frame& frame, const JointPlacement& placement);
 /// The placement of any frame, also of one from a DH row. The offset of s is kept.
 JointPlacement joint_placement(const Frame& frame);
 
-/// The same for s without its offset, which moves into the origin, as does the tip as far as
+/// The placement with respect to s without its offset, which moves into the origin, as does the tip as far as
 /// possible.
 JointPlacement joint_placement_with_offset(const Frame& frame);
 

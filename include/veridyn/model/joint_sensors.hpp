@@ -83,7 +83,7 @@ class JointSensors {
   /// @throws InvalidInput  a coordinate has no drive gain. @param where  begins the message.
   void require_drive_gains(const Model& arm, const std::string& where) const;
 
-  /// [s] delay of the measured torque of a joint.
+  /// Delay [s] of the measured torque of a joint.
   double torque_delay(int joint) const { return delay_[joint]; }
 
   /// The torque of sample `k` corrected for torque_delay(), from samples 0 .. count - 1 that were

@@ -38,8 +38,7 @@ struct DhRow {
   double theta = 0.0;  ///< [rad]
 };
 
-/// The ten inertial parameters of one body, linear in the torques. **This is where their order is
-/// written down:**
+/// The ten inertial parameters of one body, in which torques are linear. **Their order is defined here:**
 ///
 ///   phi = [m, hx, hy, hz, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz]
 ///
@@ -48,8 +47,8 @@ struct DhRow {
 using InertialParameters = Eigen::Matrix<double, 10, 1>;
 constexpr int kBodyParameters = 10;
 
-/// From mass, centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy, yy, xz, yz,
-/// zz).
+/// Inertial parameters from mass [kg], centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy,
+/// yy, xz, yz, zz).
 InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
                                        const Eigen::Matrix<double, 6, 1>& inertia_com);
 
@@ -65,8 +64,8 @@ struct ParameterBox {
 
 /// Provenance of the values in a robot file.
 enum class RobotValues {
-  kFacts,  ///< of this very arm, as in an identified model
-  kPrior,  ///< of its series: a manufacturer's file (URDF), or `values: prior` in YAML
+  kFacts,  ///< values of this very arm, as in an identified model
+  kPrior,  ///< values of its series: a manufacturer's file (URDF), or `values: prior` in YAML
 };
 
 /// "facts", "prior".
@@ -75,7 +74,7 @@ const char* name_of(RobotValues values);
 /// A rigid body that moves with its frame.
 struct Body {
   std::optional<InertialParameters> phi;      ///< known, initial or identified values
-  std::optional<InertialParameters> std_phi;  ///< their standard deviations, where identified
+  std::optional<InertialParameters> std_phi;  ///< standard deviations of identified values
   /// Values of the manufacturer's file: an identification is regularised towards them in the
   /// directions that the recordings do not determine.
   std::optional<InertialParameters> prior;
@@ -109,12 +108,12 @@ inline bool operator!=(FrameIndex a, FrameIndex b) {
 /// One frame of the tree. T_parent_frame = A * J(s) * B, where J turns about z or slides along z.
 struct Frame {
   std::string name;
-  std::optional<FrameIndex> parent;  ///< nothing: the world
+  std::optional<FrameIndex> parent;  ///< nullopt: the world
   JointType type = JointType::kFixed;
   Axis variable;              ///< s; coefficients are zero where fixed
   Posed A = identity_pose();  ///< T_parent_joint
   Posed B = identity_pose();  ///< T_joint_frame
-  std::optional<DhRow> dh;    ///< as written in the file, for hypotheses about wrong constants
+  std::optional<DhRow> dh;    ///< the DH row of the file, for hypotheses about wrong constants
   std::optional<Body> body;
 };
 
@@ -130,7 +129,7 @@ struct Limits {
 /// Errors of a joint's sensors, as diagnosed; JointSensors corrects them.
 struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
-  double torque_delay = 0.0;     ///< [s] by which the recorded torque lags
+  double torque_delay = 0.0;     ///< [s] lag of the recorded torque
   double position_offset = 0.0;  ///< [rad] or [m] recorded position minus true position
   /// Recorded torque per true torque of other joints, by their indices; none of its own.
   std::map<int, double> torque_crosstalk{};
@@ -161,7 +160,7 @@ struct EffectTerm {
 /// Contents of a robot file.
 struct ModelDescription {
   std::string name;
-  std::string source;  ///< where the numbers come from, in words
+  std::string source;  ///< origin of the numbers, in words
   RobotValues values = RobotValues::kFacts;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};
   std::map<std::string, double> constants;
@@ -182,7 +181,7 @@ struct ModelDescription {
 /// An arm: frames, bodies and effects. Immutable.
 class Model {
  public:
-  /// No arm: without joints, for a variable that one is assigned to.
+  /// An empty model without joints, to which a model can be assigned.
   Model() = default;
 
   /// @throws InvalidInput  a frame precedes its parent, names are not unique, or sizes differ.
@@ -202,7 +201,7 @@ class Model {
   /// Indices of the frames that carry a body, in the order of their columns in the regressor.
   const std::vector<int>& bodies() const { return bodies_; }
 
-  /// Index of the name, or -1.
+  /// Index of the frame with this name, or -1.
   int find_frame(const std::string& name) const;
   int find_coordinate(const std::string& name) const;
 
@@ -221,11 +220,11 @@ class Model {
 /// Sets the constant parts A and B of a frame from its DH row.
 void place(Frame& frame, const DhRow& dh);
 
-/// "N m" or "N", the unit of the coordinate's effort; then "rad" or "m".
+/// The units of a coordinate's effort, "N m" or "N", and of its position, "rad" or "m".
 std::string effort_unit(const Coordinate& coordinate);
 std::string position_unit(const Coordinate& coordinate);
 
-/// Units of the axis' variable: metres if all coordinates with a coefficient are prismatic.
+/// True if the axis' variable is in metres: all coordinates with a coefficient are prismatic.
 bool is_prismatic(const Model& arm, const Axis& axis);
 
 /// The index of the coordinate with the largest share in the axis.

@@ -33,19 +33,19 @@ enum class VelocitySource { kRecorded, kDerived };
 /// Treatment of rows that a late publisher repeated, see SoundRows.
 enum class StaleRows { kFilled, kKept };
 
-/// An interval of a recording that is excluded from the fit and the errors of one joint, or of all:
-/// a contact, a local sticking.
+/// An interval of a recording, such as a contact or a local sticking, that is excluded from the fit and the
+/// errors of one joint or of all.
 struct ExcludedInterval {
   std::string source;  ///< path of the recording
-  std::optional<int> joint = {};  ///< from 0; nullopt: all joints
-  double from = 0.0;   ///< [s] since the recording began
+  std::optional<int> joint = {};  ///< joint index from 0; nullopt: all joints
+  double from = 0.0;   ///< [s] time since the recording began
   double to = 0.0;
   std::string why;
 };
 
-/// Weights of the samples of one recording in the fit of every joint, from a robust loss.
+/// Weights of one recording's samples in the fit of every joint, as they result from a robust loss.
 struct SampleWeights {
-  std::vector<double> time;  ///< [s] since the recording began, increasing
+  std::vector<double> time;  ///< [s] time since the recording began, increasing
   MatrixXd of_joint;         ///< (times x n) >= 0
   /// The weight at the first time that is not before `seconds`; one beyond the last.
   double at(int joint, double seconds) const;
@@ -53,8 +53,8 @@ struct SampleWeights {
 
 /// Options for turning a recording into samples.
 struct PreprocessingOptions {
-  double cutoff = 5.0;  ///< [Hz] of the low-pass; 0: no filter
-  int order = 6;        ///< order of one of its two passes
+  double cutoff = 5.0;  ///< [Hz] cut-off of the low-pass; 0: no filter
+  int order = 6;        ///< order of the filter in one of its two passes
   Filtering filtering = Filtering::kMatched;
   /// [Hz] low-pass of q and dq before the columns are built, as a multiple of the cut-off (kMatched
   /// only).
@@ -64,23 +64,23 @@ struct PreprocessingOptions {
   /// Joints from 0 whose recorded velocity is replaced by the derivative of q.
   std::vector<int> derive_velocity_of;
   StaleRows stale_rows = StaleRows::kFilled;
-  double rate = 0.0;  ///< [Hz] of the uniform grid; 0: one over the median time step
+  double rate = 0.0;  ///< [Hz] rate of the uniform grid; 0: one over the median time step
   double drop_start =
       1.2;  ///< [s] left out at the start of the file: transients of the motion and of the filter
-  double drop_end = 0.5;  ///< [s] left out at its end
+  double drop_end = 0.5;  ///< [s] left out at the end of the file
   /// First row of the file to use; the filter sees the rows around the selection.
   long first_row = 0;
   std::optional<long> row_count = {};  ///< nullopt: to the end
-  /// [rad/s] or [m/s]: rows with a slower joint are excluded from its fit; errors are measured on
-  /// all rows.
+  /// [rad/s] or [m/s]: rows in which a joint is slower are excluded from the fit of this joint; errors are
+  /// measured on all rows.
   double min_speed = 0.0;
   /// Keeps one of this many samples after the filter; 0: as many samples as four times the cut-off needs.
   int decimation = 0;
   std::vector<ExcludedInterval> excluded_intervals;
-  /// By source; samples of other recordings have weight one. Errors are measured without weights.
+  /// Weights by the source of a recording; samples of other recordings have weight one. Errors are measured
+  /// without weights.
   std::map<std::string, std::shared_ptr<const SampleWeights>> weights;
-  /// [s] by source: known periods of the motion (0: it does not repeat), which are then not
-  /// detected again.
+  /// Known periods of the motion [s] by source (0: it does not repeat), which are then not detected again.
   std::map<std::string, double> known_periods;
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
   double header_rate = 0.0;          ///< [Hz] time base of files without t
@@ -130,8 +130,8 @@ struct Segment {
 struct PreparationFacts {
   double dt = 0.0;
   double duration = 0.0;
-  long samples = 0;  ///< on the uniform grid
-  long unused = 0;   ///< of these samples, in or near gaps
+  long samples = 0;  ///< number of samples on the uniform grid
+  long unused = 0;   ///< number of samples in or near gaps
   long rows_read = 0;
   FilledRows filled;
   std::vector<std::uint64_t> row_hashes;  ///< hashes of some of its rows, by which copies and pieces of a recording are recognised
@@ -150,7 +150,7 @@ PreparationFacts for_each_segment(const Model& arm, const std::string& path,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Segment&)>& visit);
 
-/// The same for a recording in memory.
+/// for_each_segment() for a recording in memory.
 PreparationFacts for_each_segment(const Model& arm, const Recording& recording,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Segment&)>& visit);

@@ -107,7 +107,7 @@ class RecordingReader {
 /// @throws InvalidInput  as RecordingReader, or the selection holds no row.
 Recording read_recording(const std::string& path, const RecordingOptions& options = {});
 
-/// The same, and fills `facts`: names of the joints, topics, remarks.
+/// Also sets `facts`: names of the joints, topics, remarks.
 Recording read_recording(const std::string& path, const RecordingOptions& options,
                          RecordingFacts& facts);
 

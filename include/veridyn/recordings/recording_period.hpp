@@ -6,7 +6,7 @@ namespace veridyn {
 
 /// The base period of a motion that repeats.
 struct MotionPeriod {
-  double seconds = 0.0;  ///< 0: the motion does not repeat
+  double seconds = 0.0;  ///< [s] period; 0: the motion does not repeat
   double confidence =
       0.0;               ///< 1 - d(period), see detect_period(); above 0.98 where a period is found
   double repeats = 0.0;  ///< repetitions within the moving part of the recording

@@ -19,7 +19,7 @@ struct QualityFinding {
   std::string file;
   std::string finding;  ///< a name from the list at check_recording()
   std::string signal;   ///< "q", "dq", ...; empty: the whole file
-  int joint = 0;        ///< from 1; 0: all joints
+  int joint = 0;        ///< number of the joint from 1; 0: all joints
   /// Affected share of the rows (or of the range), 0 to 1; NaN: not applicable.
   double share = 0.0;
   double value = 0.0;  ///< size of the finding in `unit`; NaN: not applicable
@@ -30,8 +30,8 @@ struct QualityFinding {
 
 /// An interval in which a torque stays at the limit of its channel.
 struct SaturatedInterval {
-  int joint = 0;      ///< from 0
-  double from = 0.0;  ///< [s] since the recording began
+  int joint = 0;      ///< joint index from 0
+  double from = 0.0;  ///< [s] time since the recording began
   double to = 0.0;
 };
 
@@ -79,7 +79,7 @@ const char* name_of(Severity severity);
 ///   rate_contradiction  dq = value * dq/dt of q, the same value on all moving joints
 ///   velocity_scale      as rate_contradiction, on this joint only
 ///   velocity_sign       as rate_contradiction, with a value near -1
-///   degrees             q or dq looks like degrees (dq 57.3 times too large; q beyond 4 pi most of
+///   degrees             q or dq seems to be in degrees (dq 57.3 times too large; q beyond 4 pi most of
 ///                       the time)
 ///   velocity_quantised  dq is quantised coarsely; value: step; share: step by the signal's range
 ///   torque_quantised    torque or current is quantised coarsely; value: step; share: step by the signal's range
@@ -91,14 +91,14 @@ const char* name_of(Severity severity);
 ///   no_motion           no joint moves
 ///   period              the motion repeats; value: the period [s]
 ///   remark              remark of the reader (a truncated file, repeated time stamps)
-///   short_recording     too few rows for more than checks of numbers and time
+///   short_recording     too few rows for any checks except those of numbers and time
 ///
 /// Memory is bounded: the checks of velocities, transient and period, and the scales of the others,
 /// use the first 200,000 rows. Cost: one pass over the file, and about 1 s for that part.
 /// @throws InvalidInput  as RecordingReader, or there are no rows.
 RecordingQuality check_recording(const std::string& path, const RecordingOptions& options = {});
 
-/// The same for a recording in memory.
+/// check_recording() for a recording in memory.
 RecordingQuality check_recording(const Recording& recording);
 
 }  // namespace veridyn

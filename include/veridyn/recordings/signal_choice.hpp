@@ -18,7 +18,7 @@ struct WantedJoint {
 
 /// A joint of the robot that with_fixed() holds; a recording may contain it nevertheless.
 struct HeldJoint {
-  int number = 0;  ///< among all joints of the robot, from 1
+  int number = 0;  ///< number among all joints of the robot, from 1
   WantedJoint joint;
   double position = 0.0;  ///< [rad] or [m]
 };
@@ -39,7 +39,7 @@ struct SignalChoice {
   std::vector<WantedJoint> joints;
   /// Joints that are held, by number; if a recording contains them, they are ignored.
   std::vector<HeldJoint> held = {};
-  /// Keep rows that are clearly wrong: dropouts, wrapped angles, bursts.
+  /// True: rows that are clearly wrong are kept (dropouts, wrapped angles, bursts).
   bool as_recorded = false;
 };
 

@@ -41,7 +41,7 @@ class SoundRows {
   /// The next rows, as many as requested; fewer only where the recording ends.
   Recording next(int rows);
 
-  /// Interpolated rows among those returned so far.
+  /// The interpolated rows among those returned so far.
   const FilledRows& filled() const { return filled_; }
 
  private:

@@ -17,8 +17,8 @@ struct StandardParameter {
   std::optional<int> body = {};    ///< index among the bodies
   int component = 0;   ///< index among InertialParameters, or among the effect's parameters
   std::optional<int> effect = {};  ///< index among the model's effects
-  bool fixed = false;  ///< the robot file declares it as known
-  double value = 0.0;  ///< from the file, if it has one
+  bool fixed = false;  ///< true: the robot file declares it as known
+  double value = 0.0;  ///< value of the file, if it has one
   double lower = 0.0;  ///< bounds; infinite where there are none
   double upper = 0.0;
 };

@@ -15,10 +15,10 @@
 
 namespace veridyn {
 
-// Pages of `veridyn COMMAND --report`: one HTML file that needs neither a network nor other files.
-// Its first screen says what was done, whether the result is good and what comes next; figures can
-// be saved, and the arm moves. Every number in its text comes from to_json(), which the page
-// contains as the element "result".
+// Pages of `veridyn COMMAND --report`: one HTML file that needs neither a network nor other files. Its first
+// screen shows what was done, whether the result is good and what to do next; figures can be saved, and the
+// drawing of the arm moves. Every number in its text comes from to_json(), which the page contains as the
+// element "result".
 //
 // @param command  the command line of the run, shown verbatim; empty: none.
 
@@ -31,8 +31,8 @@ std::string to_page(const Identification& id, const std::string& command = "",
 std::string to_page(const Diagnosis& diagnosis, const std::string& command = "",
                     const std::string& next_command = "");
 
-/// @param arm  is drawn in motion; null: no drawing. @throws InvalidInput  the excitation has no
-/// motion.
+/// @param arm  arm that is drawn in motion; null: no drawing. @throws InvalidInput  the excitation has no
+///   motion.
 std::string to_page(const Excitation& excitation, const std::string& command = "",
                     const Model* arm = nullptr);
 
@@ -45,7 +45,7 @@ std::string result_page(const std::string& title, const std::string& result,
 std::string to_page(const RobotInfo& info, const std::string& command = "");
 std::string to_page(const std::vector<RecordingQuality>& recordings, const std::string& command = "");
 std::string to_page(const PayloadReport& report, const std::string& command = "");
-/// @param arm  for the names of its joints; null: the joints that move.
+/// @param arm  gives the names of the joints; null: the model fitted in the study, if there is one.
 std::string to_page(const FrictionStudy& study, const std::string& command = "", const Model* arm = nullptr);
 std::string to_page(const ModelComparison& comparison, const std::string& command = "");
 std::string to_page(const Fleet& fleet, const std::string& command = "");

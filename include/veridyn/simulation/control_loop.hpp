@@ -18,7 +18,7 @@ namespace veridyn {
 /// gets a bandwidth of `frequency` [Hz], critical damping, and an integral term ten times slower.
 PidGains sensible_gains(const Model& arm, double frequency = 6.0);
 
-/// D for given p: critical damping at the inertia in the middle of the range.
+/// Gains d for given p: critical damping of each joint with its inertia in the middle of the range.
 VectorXd critical_damping(const Model& arm, const VectorXd& p);
 
 /// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, one number per joint. The default of i is zero,
@@ -26,11 +26,11 @@ VectorXd critical_damping(const Model& arm, const VectorXd& p);
 /// @throws InvalidInput  the file is malformed, or its number of joints differs.
 PidGains read_gains(const std::string& path, const Model& arm);
 
-/// Likewise `p` [1/s^2] and `d` [1/s] of computed torque; without d critical damping, 2 sqrt(p).
+/// Reads `p` [1/s^2] and `d` [1/s] of computed torque in the same way; without d critical damping, 2 sqrt(p).
 JointGains read_joint_gains(const std::string& path, const Model& arm);
 
-/// Likewise `mass` [kg], `damping` [N s/m] and `stiffness` [N/m] of an impedance, three numbers each,
-/// of the tip's position.
+/// Reads `mass` [kg], `damping` [N s/m] and `stiffness` [N/m] of an impedance of the tip's position in the same
+/// way, three numbers each.
 ImpedanceGains read_tip_gains(const std::string& path);
 
 /// The motors and their amplifiers.
@@ -49,13 +49,13 @@ struct LoopSensors {
 
 struct LoopOptions {
   PidGains gains;
-  /// If set: computed torque with this model in place of the PID. `gains` are then those of ComputedTorque, p
+  /// If not null, computed torque with this model replaces the PID. `gains` are then those of ComputedTorque, p
   /// [1/s^2] and d [1/s], independent of the joints' inertia, and i is not used.
   std::shared_ptr<const Model> model;
   double friction = 0.0;  ///< share of the model's friction that is compensated in addition to that law
   Drive drive;
   LoopSensors sensors;
-  /// [Hz] of the controller, independent of the rows' rate: it runs an integer number of times between two
+  /// Rate of the controller [Hz], independent of the rows' rate: it runs an integer number of times between two
   /// rows, or once in an integer number of rows, whichever is closest.
   double rate = 1000.0;
   VectorXd start;  ///< (n) initial position; empty: the first set point
@@ -65,13 +65,13 @@ struct LoopOptions {
 /// Result of an engine's run, up to its last or its failing row.
 struct EngineRun {
   MotionSamples motion;
-  MatrixXd tau;  ///< (rows x n) of the motors
+  MatrixXd tau;  ///< (rows x n) motor torques [N m], [N]
   StepStatus status = StepStatus::kOk;
-  double stopped_at = 0.0;  ///< [s] where status is not kOk
+  double stopped_at = 0.0;  ///< [s] time of the failure if status is not kOk
   std::optional<int> joint = {};  ///< joint that failed, from 0
 
   bool complete() const { return status == StepStatus::kOk; }
-  /// "stopped at 1.2 s: joint insertion has ...", for a run that is incomplete.
+  /// Text "stopped at 1.2 s: joint insertion has ...", for a run that is incomplete.
   std::string stop_reason(const Model& arm) const;
 };
 

@@ -42,16 +42,16 @@ class Engine {
   /// together cost no more than step().
   virtual StepStatus accelerate(const VectorRef& tau, VectorXd& ddq) noexcept = 0;
 
-  virtual double time() const = 0;  ///< [s] since set_state()
+  virtual double time() const = 0;  ///< [s] simulated time since set_state()
   virtual const VectorXd& q() const = 0;
   virtual const VectorXd& dq() const = 0;
-  virtual std::optional<int> failed_joint() const = 0;  ///< from 0
+  virtual std::optional<int> failed_joint() const = 0;  ///< joint index from 0
 
   /// Effects of the model that this engine does not support, in words.
   virtual const std::vector<std::string>& left_out() const = 0;
 };
 
-/// "veridyn": a Plant; "mujoco": MuJoCo with the same model, in builds that include it.
+/// Makes an engine: "veridyn" is a Plant, "mujoco" is MuJoCo with the same model, in builds that include it.
 /// @throws InvalidInput  the engine does not exist or refuses the model.
 std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm);
 

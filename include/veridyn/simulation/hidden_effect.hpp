@@ -42,7 +42,7 @@ HiddenEffect parse_hidden_effect(const std::string& asked);
 struct InjectedEffect {
   std::string effect;
   std::string place;  ///< name of the coordinate, frame or constant; "arm"
-  std::optional<JointIndex> joint;  ///< nothing where it belongs to no single joint
+  std::optional<JointIndex> joint;  ///< nullopt: it belongs to no single joint
   std::map<std::string, double> values;
 };
 

@@ -11,16 +11,16 @@ namespace veridyn {
 ///
 ///   tau = M(q) ddq + C(q, dq) dq + g(q) + effects(t, q, dq, ddq, past)
 ///
-/// Effects with memory start unloaded at the first row, time starts there, and between two rows
-/// they see `substeps` states on quintics through q, dq and ddq. With times that do not increase,
-/// or with one substep, they see the rows alone.
+/// Effects with memory start unloaded at the first row, where their time is zero. Between two rows they are
+/// evaluated at `substeps` states on quintics through q, dq and ddq; with times that do not increase, or with
+/// one substep, at the rows alone.
 ///
 /// @returns (rows x n) [N m], [N] where the joint is prismatic.
 /// @throws InvalidInput  a body or an effect has no values; the motion is not (rows x n), or empty.
 MatrixXd joint_torques(const Model& arm, const MotionSamples& motion, int substeps = 4);
 
-/// The same at one state, (n) each: memories are unloaded, time is zero, and effects on the whole
-/// arm, which need a motion, are not included.
+/// Torques at one state, (n) each: memories are unloaded, time is zero, and effects on the whole arm, which
+/// need a motion, are not included.
 VectorXd joint_torques(const Model& arm, const VectorRef& q, const VectorRef& dq,
                        const VectorRef& ddq);
 

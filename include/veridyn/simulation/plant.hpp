@@ -17,7 +17,7 @@ struct PlantOptions {
   /// + rest), with the estimate of order three for a method of order four.
   double tolerance = 1e-6;
   double rest = 1e-6;        ///< [rad] or [m]; bound of the error at standstill
-  int most_substeps = 2000;  ///< per step
+  int most_substeps = 2000;  ///< largest number of substeps per step
 };
 
 /// Forward dynamics of an arm with all its effects:
@@ -32,11 +32,10 @@ struct PlantOptions {
 /// Dry friction (Coulomb, Stribeck, asymmetric, load- and position-dependent, ...) is set-valued:
 /// at rest it takes any value up to its level, so that a joint at rest stays at rest, and a sliding
 /// joint reverses exactly where its velocity is zero (the substep ends there). The sticking and the
-/// sliding axes follow from Gauss' principle of
-/// least constraint with bounds on the friction forces, unique in the accelerations for any number
-/// of coupled axes. Below kRestSpeed the regularised sign of the effects is *not* used; above it
-/// the forces are those of the effects. Friction with memory follows the true path: substeps end
-/// where its axis reverses.
+/// sliding axes follow from Gauss' principle of least constraint with bounds on the friction forces, unique in
+/// the accelerations for any number of coupled axes. Below kRestSpeed the regularised sign of the effects is
+/// *not* used; above it the forces are those of the effects. Friction with memory follows the true path:
+/// substeps end where its axis reverses.
 ///
 /// Effects that describe measured motion only (transmission_compliance) are not supported, see
 /// left_out().
@@ -65,7 +64,7 @@ class Plant final : public Engine {
   /// ddq + C dq + g + these.
   const VectorXd& effect_torques() const;
 
-  /// Substeps accepted and rejected since set_state().
+  /// Numbers of substeps accepted and rejected since set_state().
   struct Work {
     long taken = 0;
     long refused = 0;

@@ -11,11 +11,11 @@ namespace veridyn {
 
 /// A recording on a uniform grid that drives a model.
 struct ReplayInput {
-  MotionSamples motion;   ///< as recorded, lightly low-passed
-  MatrixXd tau;           ///< (rows x n) as recorded
+  MotionSamples motion;   ///< recorded motion, lightly low-passed
+  MatrixXd tau;           ///< (rows x n) recorded torques [N m], [N]
   std::vector<char> use;  ///< (rows) 0: in a gap or at an edge, excluded from the errors
-  RecordingQuality quality{};           ///< of the recording
-  /// Velocities derived from positions, rows that were interpolated.
+  RecordingQuality quality{};           ///< quality of the recording
+  /// Remarks on velocities derived from positions, and on rows that were interpolated.
   std::vector<std::string> remarks{};
 };
 
@@ -36,7 +36,7 @@ enum class ReplayDrive {
 
 struct ReplayOptions {
   ReplayDrive drive = ReplayDrive::kCommands;
-  LoopOptions loop;  ///< for the PID; empty gains: sensible_gains() of the arm
+  LoopOptions loop;  ///< loop of the PID; empty gains: sensible_gains() of the arm
   /// [Hz] zero-phase low-pass of the motion and the torques from which set points are computed; 0:
   /// none.
   double set_point_cutoff = 0.0;
@@ -44,20 +44,20 @@ struct ReplayOptions {
   int order = 6;
 };
 
-/// Simulated against recorded, over the rows in use. (n) each.
+/// Comparison of simulated with recorded signals, over the rows in use. (n) each.
 struct Replay {
   EngineRun run;
   PidGains gains;
   VectorXd torque_error;   ///< || tau_sim - tau || / || tau ||, both low-passed; with a PID only
-  /// The same for inverse dynamics at the recorded motion: the model's prediction error without a
+  /// The same error for inverse dynamics at the recorded motion: the model's prediction error without a
   /// simulation.
   VectorXd inverse_error;
-  VectorXd motion_rms;     ///< [rad], [m] of q_sim - q
+  VectorXd motion_rms;     ///< root mean square of q_sim - q [rad], [m]
   VectorXd motion_max;
   /// Low-passed torques, (rows x n): recorded, of the run, and of inverse dynamics at the recorded
   /// motion.
   MatrixXd recorded_tau, simulated_tau, predicted_tau;
-  std::vector<char> use;  ///< (rows) of the run; 0: excluded from the errors
+  std::vector<char> use;  ///< (rows) 0: the row is excluded from the errors
 };
 
 /// Drives the engine of this arm with a recording, from its first row on.

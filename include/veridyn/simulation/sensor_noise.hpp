@@ -21,10 +21,10 @@ struct SensorNoise {
   JointAmount tracking;
   JointAmount encoder_step;      ///< positions are multiples of it; 0: exact
   JointAmount velocity;          ///< standard deviation of white noise
-  double torque_white = 0.0;     ///< standard deviation
+  double torque_white = 0.0;     ///< standard deviation of white noise
   double torque_coloured = 0.0;  ///< standard deviation of a first-order autoregressive process
-  double colour_seconds = 0.1;   ///< its correlation time [s]
-  double delay = 0.0;            ///< [s] by which all signals lag the rows' times
+  double colour_seconds = 0.1;   ///< [s] correlation time of that process
+  double delay = 0.0;            ///< [s] lag of all signals behind the rows' times
   /// [s] standard deviation of an additional random lateness of the rows, as of a publisher without its own
   /// clock.
   double late = 0.0;
@@ -34,7 +34,7 @@ struct SensorNoise {
   double dropout_run = 1.0;  ///< mean length of a dropout in rows; 1: isolated rows
 };
 
-/// Presets. none: ideal. low: a good laboratory arm. dvrk and ur: like recordings of a da Vinci
+/// Presets of sensor noise. none: ideal. low: a good laboratory arm. dvrk and ur: like recordings of a da Vinci
 /// Research Kit arm and of a UR10e (their encoder steps, high-frequency torque noise and stale
 /// rows). dvrk-late: like a kit whose publisher fell behind, with 12 % repeated rows and the others
 /// late by milliseconds.

@@ -12,14 +12,14 @@ struct ControlledOptions {
   /// Hidden effects and sensors; its tracking deviation is not used, because the controller has its
   /// own.
   SimulationOptions recording;
-  /// Empty gains: sensible_gains() of the arm with its effects; encoder steps and contacts come
-  /// from `recording`.
+  /// Options of the loop. If its gains are empty, they are sensible_gains() of the arm without the hidden
+  /// effects; encoder steps and contacts come from `recording`.
   LoopOptions loop;
   std::string engine = "veridyn";
 };
 
 struct ControlledRecording {
-  SimulatedRecording recording;  ///< up to the end of the run
+  SimulatedRecording recording;  ///< recording up to the end of the run
   EngineRun run;
   PidGains gains;                     ///< gains of the run
   std::vector<std::string> left_out;  ///< effects that a forward simulation does not support

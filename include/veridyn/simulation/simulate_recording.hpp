@@ -12,8 +12,8 @@ namespace veridyn {
 struct SimulationOptions {
   std::vector<HiddenEffect> hidden;
   SensorNoise noise;  ///< default: ideal
-  unsigned seed = 1;  ///< of the noise
-  int substeps = 4;   ///< states per row that effects with memory see
+  unsigned seed = 1;  ///< seed of the noise
+  int substeps = 4;   ///< states per row at which effects with memory are evaluated
 };
 
 /// True signals of a simulated arm and their recording.
@@ -23,7 +23,7 @@ struct SimulatedRecording {
   MotionSamples actual;                ///< the true motion
   MatrixXd actual_tau;                 ///< (rows x n) the true motor torques [N m], [N]
   MotionSamples measured;              ///< q and dq as recorded; ddq is the true one
-  MatrixXd tau;                        ///< (rows x n) as recorded
+  MatrixXd tau;                        ///< (rows x n) recorded torques [N m], [N]
 };
 
 /// Moves an arm with values along a prescribed motion and records it.

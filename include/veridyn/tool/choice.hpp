@@ -8,7 +8,7 @@
 
 namespace veridyn::cli {
 
-/// An option whose value is one of several words: name_of(choice) of every choice.
+/// Adds an option whose value is one of several words: name_of(choice) of every choice.
 template <typename T>
 CLI::Option* add_choice(CLI::App& command, const std::string& option, T& target,
                         const std::vector<T>& choices, const std::string& help) {

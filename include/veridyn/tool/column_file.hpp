@@ -15,7 +15,7 @@ struct ColumnFile {
 
   /// Index of the column with this name; -1 if there is none.
   int find(const std::string& name) const;
-  /// The same. @throws InvalidInput  there is none; with file, line, names found and expected.
+  /// Index of the column. @throws InvalidInput  there is none; with file, line, names found and expected.
   int at(const std::string& name) const;
 };
 

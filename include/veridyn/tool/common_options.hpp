@@ -21,11 +21,11 @@ struct CommonOptions {
   int threads = 0;     ///< 0: one per core
   bool quiet = false;
   std::map<std::string, double> fixed;  ///< coordinates that are not recorded, with their positions
-  std::vector<double> gravity;  ///< [m/s^2] of the robot file's base; empty: that of the file
+  std::vector<double> gravity;  ///< gravity in the robot file's base [m/s^2]; empty: that of the file
   std::vector<double> drive_gains;  ///< torque per ampere of each joint; empty: those of the file
 };
 
-/// A half-open range of rows; without a count: to the end.
+/// A half-open range of rows; without a count it extends to the end.
 struct RowRange {
   long first = 0;
   std::optional<long> count = {};
@@ -69,14 +69,14 @@ void add_friction_option(CLI::App& command, JointFriction& friction);
 /// @throws InvalidInput  it cannot be written.
 void require_writable(const std::string& path);
 
-/// The same for each of several files.
+/// Checks several files.
 template <typename... More>
 void require_writable(const std::string& path, const std::string& next, const More&... more) {
   require_writable(path);
   require_writable(next, more...);
 }
 
-/// Writes --json and --report where they were given. @param page  what to_page() takes behind the result.
+/// Writes --json and --report where they were given. @param page  arguments of to_page() after the result.
 template <typename Result, typename... Page>
 void write_results(const CommonOptions& common, const Result& result, const Page&... page) {
   if (!common.json.empty()) write_file(common.json, to_json(result));

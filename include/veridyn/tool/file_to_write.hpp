@@ -12,7 +12,7 @@ namespace veridyn::cli {
 /// no file.
 struct FileToWrite {
   std::string path, content;
-  std::function<void()> tell = {};  ///< prints remarks on this file once all are written
+  std::function<void()> tell = {};  ///< prints remarks on this file once all files are written
 };
 
 inline void write_all(const std::vector<FileToWrite>& files) {

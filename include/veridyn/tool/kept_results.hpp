@@ -13,7 +13,7 @@ namespace veridyn::cli {
 /// continue after it was killed. Threads may share it.
 class KeptResults {
  public:
-  /// @param what     begins the file, such as "excite: searches".
+  /// @param what     beginning of the file, such as "excite: searches".
   /// @param command  all inputs on which the results depend; the file's first line has its hash.
   /// @throws InvalidInput  the file belongs to another command, or cannot be written.
   KeptResults(std::string path, const std::string& what, const std::string& command);

@@ -23,7 +23,7 @@ std::string with_reason(const std::string& refusal);
 /// The arguments as one line that a shell parses into the same arguments.
 std::string command_line(const std::vector<std::string>& words);
 
-/// Called with the current activity and the share done, 0 to 1.
+/// A function that is called with the current activity and the share done, 0 to 1.
 using Progress = std::function<void(const std::string&, double)>;
 
 /// A progress bar if standard error is a terminal, otherwise a plain line per activity; empty with

@@ -19,10 +19,10 @@ namespace veridyn::cli {
 
 /// More files for `export`.
 struct ExportExtension {
-  std::string options;  ///< that write files, for messages: "--a or --b"
+  std::string options;  ///< options that write files, for messages: "--a or --b"
   std::function<void(CLI::App&)> add_options;
   std::function<void()> check;                      ///< @throws CLI::ValidationError
-  std::function<std::vector<std::string>()> paths;  ///< of the files to write; empty ones were not given
+  std::function<std::vector<std::string>()> paths;  ///< the files to write; empty paths were not given
   std::function<void(const Model&, std::vector<FileToWrite>&)> add_files;
 };
 
@@ -36,7 +36,7 @@ struct KinematicsExtension {
     Model model;
     InverseSolver closed_form;
   };
-  std::string robots;  ///< behind "Robot file or name", in the help
+  std::string robots;  ///< text that the help shows after "Robot file or name"
   std::function<std::optional<Arm>(const std::string& name)> read;
 };
 

@@ -12,7 +12,7 @@ namespace veridyn::cli {
 
 /// A prerequisite of an option.
 struct OptionNeed {
-  const char* option;  ///< as "--kp"
+  const char* option;  ///< name of the option, such as "--kp"
   bool met;            ///< true if the prerequisite is met
   const char* needs;   ///< the prerequisite in words: "--controller pid"
 };

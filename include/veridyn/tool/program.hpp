@@ -8,14 +8,14 @@
 
 namespace veridyn::cli {
 
-/// Exit status of the tool; the numbers are a promise to scripts.
+/// Exit status of the tool; scripts rely on the numbers, which never change.
 enum ExitStatus {
   kDone = 0,
   kProgramFault = 1,
   kWrongUsage = 2,
   kBadInput = 3,
   kDataCannotAnswer = 4,
-  kInterrupted = 130,  ///< Ctrl-C ended the work before its end; what was written is whole
+  kInterrupted = 130,  ///< Ctrl-C ended the work early; files that were written are complete
 };
 
 /// Result of the command that ran. A command that returns normally is done; bad input and wrong
@@ -33,7 +33,7 @@ struct Example {
   std::string command_line, purpose;
 };
 
-/// Adds examples to the manual of a command. @param command  in full, as "veridyn dvrk run".
+/// Adds examples to the manual of a command. @param command  full name, such as "veridyn dvrk run".
 void add_examples(const std::string& command, const std::vector<Example>& examples);
 
 /// Names a command of a package in the list of commands. It is never run: run_tool() hands it over to the package's program.

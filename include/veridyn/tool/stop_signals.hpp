@@ -4,8 +4,8 @@
 
 namespace veridyn::cli {
 
-/// Set by every signal that requests an end (INT, TERM, HUP, QUIT, PIPE), from the first call of
-/// catch_signals() on.
+/// True after a signal that requests an end (INT, TERM, HUP, QUIT, PIPE), since the first call of
+/// catch_signals().
 const std::atomic<bool>& stop_requested();
 void catch_signals();
 

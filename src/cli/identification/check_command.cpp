@@ -37,8 +37,7 @@ bool is_robot(const std::string& name) {
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
-// False for a bare name that is neither a file nor a robot that comes with the tool: it may be a missing
-// recording.
+// False for a bare name that is neither a file nor a robot of the installation: it may be a missing recording.
 bool is_surely_robot(const std::string& name) {
   struct stat about {};
   if (::stat(name.c_str(), &about) == 0) return is_robot(name);

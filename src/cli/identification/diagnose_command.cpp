@@ -34,7 +34,7 @@ struct DiagnoseRequest {
   CommonOptions common;
 };
 
-// Checks that all of them are names of effects, or causes EFFECT:PLACE of the arm.
+// Checks that all names are effects, or causes EFFECT:PLACE of the arm.
 void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     expect_one_of("--effects", split_cause(name).effect, effect_names());
@@ -44,7 +44,7 @@ void expect_known_places(const Model& arm, const std::vector<std::string>& names
   for (const std::string& name : names) value_of("--effects", [&] { return normalized_cause(arm, name); });
 }
 
-// The command that designs the next recording, with the robot as named here and with the recordings
+// The command line that designs the next recording, with the robot as the user named it and with the recordings
 // and values known so far.
 std::string next_command(const DiagnoseRequest& request, const Model& arm,
                          const NextExperiment& next) {
@@ -52,7 +52,7 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv", "--criterion"};
   if (next.between.empty()) {
     words.emplace_back("d-optimal");
-    if (!request.model_out.empty()) words[2] = request.model_out;  // tables of the extended model count as parameters
+    if (!request.model_out.empty()) words[2] = request.model_out;  // its tables count as parameters
   } else {
     words.insert(words.end(), {"discriminate", "--between",
                                to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])});

@@ -126,8 +126,8 @@ Identification identified_at_rest(const IdentifyRequest& request, const Model& a
   return identify(arm, train, test, options);
 }
 
-// The factors of the training recordings, with the velocities that identify() chooses for them, or with which
-// the factors given beside them were computed.
+// The factors of the training recordings. Velocities are chosen as identify() does, or as in the factors that
+// were given with them.
 FactorSet compressed(const IdentifyRequest& request, const Model& arm,
                      const IdentificationOptions& options) {
   FactorSet factors = read_all_factors(request.factors);
@@ -147,7 +147,7 @@ FactorSet compressed(const IdentifyRequest& request, const Model& arm,
   return factors;
 }
 
-// --factor-out writes the factors even if they do not determine a model.
+// Identifies the arm; --factor-out writes the factors even if they do not determine a model.
 Identification identified(const IdentifyRequest& request, const Model& arm,
                           const IdentificationOptions& options) {
   if (request.factors.empty() && request.factor_out.empty())
@@ -175,7 +175,7 @@ void write_results(const IdentifyRequest& request, const Identification& id,
   if (request.parameters) std::cout << parameters_text(id);
 }
 
-// Name of the file for the factors of one rank, in the folder of the requested file.
+// Path of the file for the factors of one rank, in the folder of the requested file.
 std::string part_of(const IdentifyRequest& request, const Communicator& ranks) {
   return text(request.factor_out, ".rank-", ranks.rank());
 }
@@ -212,7 +212,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
     const Identification id = identified_by_ranks(request, arm, options, ranks);
-    if (!first) return kDone;  // the first rank has the result and its status
+    if (!first) return kDone;  // only the first rank has the result and its status
     for (const UnusedRecording& r : id.unusable_recordings) print_message("warning: left out: " + r.why);
     if (id.parameters.size() == 0) {
       print_message(id.reason);
@@ -224,7 +224,7 @@ ExitStatus run_on_ranks(IdentifyRequest& request, const std::string& command_lin
     if (first) print_message(error.what());
     end_all_ranks(kBadInput);
   } catch (const CLI::Error&) {
-    throw;  // thrown on all ranks
+    throw;  // this exception is thrown on all ranks
   } catch (const std::exception& error) {
     print_message(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
     end_all_ranks(kProgramFault);

@@ -15,8 +15,8 @@ namespace veridyn::cli {
 namespace {
 
 constexpr const char* kHere = "127.0.0.1";
-constexpr std::chrono::seconds kFarewell{1};        // in which a browser can fetch the last page
-constexpr std::chrono::milliseconds kSilence{500};  // after which a closed browser is noticed
+constexpr std::chrono::seconds kFarewell{1};        // time for a browser to fetch the last page
+constexpr std::chrono::milliseconds kSilence{500};  // time until a closed browser is noticed
 
 }  // namespace
 

@@ -5,12 +5,12 @@
 
 namespace veridyn::cli {
 
-/// Serves a page on this machine: http://127.0.0.1:PORT has the last page of show(), and an open
-/// browser is notified of every new one (server-sent events). Other machines cannot reach it.
+/// Serves a page on this machine: http://127.0.0.1:PORT shows the last page of show(), and an open browser is
+/// notified of every new one (server-sent events). Other machines cannot reach it.
 class LivePage {
  public:
-  /// @param port  0: any free one. @throws InvalidInput  the port is in use, or the tool was built
-  /// without cpp-httplib.
+  /// @param port  port number; 0: any free one. @throws InvalidInput  the port is in use, or the tool was built
+  ///   without cpp-httplib.
   explicit LivePage(int port);
   ~LivePage();
   LivePage(const LivePage&) = delete;

@@ -19,7 +19,7 @@
 namespace veridyn::cli {
 namespace {
 
-// Environment variables that mpirun (or srun) sets for its processes; 0: not started by it.
+// The number in an environment variable that mpirun (or srun) sets for its processes; 0: it is not set.
 int from_environment(const char* open_mpi, const char* others) {
   for (const char* name : {open_mpi, others}) {
     const char* value = std::getenv(name);
@@ -37,7 +37,7 @@ extern "C" void print_last_line(int) {
 
 #ifdef VERIDYN_WITH_MPI
 
-constexpr std::uint64_t kPiece = std::uint64_t{1} << 28;  // bytes; counts of MPI are ints
+constexpr std::uint64_t kPiece = std::uint64_t{1} << 28;  // largest message in bytes; counts of MPI are ints
 
 class MpiRanks final : public Communicator {
  public:

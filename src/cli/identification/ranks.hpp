@@ -11,7 +11,7 @@ namespace veridyn::cli {
 /// @throws InvalidInput  mpirun started several processes of a tool built without MPI.
 std::unique_ptr<Communicator> mpi_ranks();
 
-/// Default number of threads of one rank: those of the machine, divided among its ranks.
+/// Default number of threads of one rank: the machine's number of threads divided by that of its ranks.
 int threads_of_a_rank(int asked);
 
 /// Ends all ranks with this exit status.

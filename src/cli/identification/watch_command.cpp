@@ -26,18 +26,19 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kRowsAtOnce = 200;
 constexpr std::chrono::seconds kPageEvery{2};
-constexpr size_t kMostStates = 200000;  // for the page: more than five hours of steps
-// share of a joint's torque that the model leaves > kDoubtful, or > kWorse * what it left of its own recordings and > kSmall
+constexpr size_t kMostStates = 200000;  // number of states kept for the page: more than five hours of steps
+// A message warns if the residual exceeds the share kDoubtful of a joint's torque, or kSmall and also kWorse
+// times the share in the model's own recordings.
 constexpr double kDoubtful = 0.5, kWorse = 3.0, kSmall = 0.05;
 
 volatile std::sig_atomic_t interrupted = 0;
 
 void stop(int /*signal*/) { interrupted = 1; }
 
-// Sets the handlers of the signals that end the program: either one that lets the results so far be written,
-// or none.
+// Sets the handlers of the signals that end the program: `handler`, after which results are still written, or
+// the default.
 void on_signals(void (*handler)(int)) {
-  struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
+  struct sigaction action {};  // SA_RESTART is not set, so that a signal ends a blocking read
   action.sa_handler = handler;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
@@ -48,13 +49,13 @@ struct WatchRequest {
   std::vector<std::string> sources, learn_from;
   bool follow = false, json_lines = false;
   double idle = 0.0;
-  std::optional<int> port;  // of --serve; 0: any
+  std::optional<int> port;  // port of --serve; 0: any
   WatchOptions options;
   PreprocessingOptions reading;
   CommonOptions common;
 };
 
-// True if a source grows.
+// True if a source is a recording that is still being written.
 bool has_growing_source(const WatchRequest& request) {
   return request.follow ||
          std::find(request.sources.begin(), request.sources.end(), "-") != request.sources.end();
@@ -97,7 +98,7 @@ class Watching {
     }
     if (progress_) clear_bar();
     write(false);
-    // Ctrl-C ends a source that grows normally; a recording would be incomplete.
+    // Ctrl-C is the normal end of a growing source; it leaves a complete recording unfinished.
     if (interrupted != 0 && !has_growing_source(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
       if (!s.states.empty() && s.learned < s.to - s.from - s.blind - 0.5 * request_.options.step) continue;
@@ -146,7 +147,7 @@ class Watching {
     for (const std::string& remark : reader.facts().remarks) print_message(source + ": " + remark);
   }
 
-  // After a clock is set back, the source's beginning and end are shifted by the same time.
+  // Shifts the source's beginning and end by the time by which its clock was set back.
   void follow_clock(const WatchState& state) {
     const double by = state.set_back - set_back_;
     set_back_ = state.set_back;
@@ -233,7 +234,7 @@ class Watching {
   std::unique_ptr<LivePage> live_;
   VectorXd missed_, measured_;  // (n) sums of squares while noise is learned
   Clock::time_point written_{};
-  double set_back_ = 0.0;  // [s] of the present source's clock
+  double set_back_ = 0.0;  // [s] time by which the present source's clock was set back
 };
 
 ExitStatus run(WatchRequest& request, const std::string& command_line) {

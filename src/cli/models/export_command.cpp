@@ -42,7 +42,7 @@ ExportedModel exported(const ExportRequest& request, const Model& model, RotorPl
   return exported_model(model, prior, request.meshes_from, rotors);
 }
 
-// Prints notes after the files are written, so that an error prints nothing else.
+// Prints notes, after the files are written, so that an error prints nothing else.
 void print_notes(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& warning : out.warnings)
     print_message("warning: " + request.model + ": " + warning + ".");
@@ -50,7 +50,7 @@ void print_notes(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& note : out.notes) print_message(note + ".");
 }
 
-// The model with its origin.
+// The model as YAML, with its origin.
 std::string yaml_of(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
   const bool yaml = robot_format(path) == RobotFormat::kYaml;
@@ -58,8 +58,8 @@ std::string yaml_of(const ExportRequest& request, const Model& model) {
   return origin ? with_origin(to_yaml(model), *origin) : to_yaml(model);
 }
 
-// The simulation's file into which the model's values are written: the named one, or the file of the model's
-// origin; empty if that has another format.
+// The simulator's file into which the model's values are written: the file that the user named, or that of the
+// model's origin; empty if it has another format.
 std::string simulation_of(const ExportRequest& request, const Model& model, RobotFormat format) {
   const std::string& source = model.description().source;
   const std::string& file = request.into.empty() ? source : request.into;
@@ -68,7 +68,7 @@ std::string simulation_of(const ExportRequest& request, const Model& model, Robo
   return exists && robot_format(file) == format ? file : "";
 }
 
-// URDF, MJCF and SDF.
+// Adds the URDF, MJCF and SDF files.
 void add_xml(const ExportRequest& request, const Model& model, const ExportedModel& out, std::vector<FileToWrite>& files) {
   if (!request.urdf.empty()) files.push_back(simulation_xml(request.urdf, "URDF", to_urdf(out.arm, out.extras)));
   if (!request.mjcf.empty()) {

@@ -20,7 +20,7 @@
 namespace veridyn::cli {
 namespace {
 
-constexpr int kPostures = 1000;  // default number of postures of the workspace
+constexpr int kPostures = 1000;  // default number of random postures in the workspace
 
 struct KinematicsRequest {
   std::string robot, forward, inverse, frame, output, solver = "closed-form";
@@ -73,7 +73,7 @@ std::string chosen(const Model& model, const std::string& asked) {
   return model.frames().back().name;
 }
 
-// A robot file or name, or a name that a package knows.
+// Reads a robot file or name, or a name that a package knows.
 Arm read_kinematic_arm(const std::string& robot, const std::string& frame, const KinematicsExtension& extension) {
   std::optional<KinematicsExtension::Arm> known;
   if (extension.read) known = extension.read(robot);

@@ -11,7 +11,7 @@
 
 namespace veridyn {
 
-std::string_view number_file(std::string_view name);  // a header, made by cmake/embed_files.cmake
+std::string_view number_file(std::string_view name);  // content of a header, embedded by cmake/embed_files.cmake
 
 namespace cli {
 namespace {
@@ -25,7 +25,7 @@ void print_numbers_of_diagnosis() {
     fmt::print("  {:<28} {:<8g} {}\n  {:<37} because {}\n", one.name, defaults.*one.value, one.inequality, "", one.reason);
 }
 
-// The numbers of a header, each below the comment that has its inequality and its reason.
+// Prints the numbers of a header, each below its comment with the inequality and the reason.
 void print_numbers_in(std::string_view header) {
   std::string comment;
   while (!header.empty()) {

@@ -45,7 +45,7 @@ struct ExciteRequest {
   std::string coefficients, resume;
   std::string model;
   std::vector<std::string> given, noise_of;
-  PreprocessingOptions reading;  // of --given and --noise-of
+  PreprocessingOptions reading;  // options for reading the recordings of --given and --noise-of
   std::vector<std::string> boxes, spheres, obstacles, insertions;
   std::string between;
   std::optional<double> clearance;  // [m]; nullopt: 0 between spheres, kLinkClearance between links
@@ -78,7 +78,7 @@ class Interruptible {
   struct sigaction before_ {};
 };
 
-// Plausible values define the dynamics of an arm, but no limits of its efforts.
+// The arm without limits of its efforts: plausible values define its dynamics, but no such limits.
 Model without_efforts(const Model& arm) {
   ModelDescription description = arm.description();
   for (Coordinate& c : description.coordinates)
@@ -120,8 +120,8 @@ CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
   return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
 }
 
-// Estimates the noise of recordings as the residual of an identification of the arm from them.
-// @returns the reason if there is none, or "".
+// Estimates the torque noise as the residual of an identification from the recordings of --noise-of. Returns
+// the reason if that fails, else "".
 std::string estimate_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
   IdentificationOptions how;
   how.friction = o.friction;
@@ -169,7 +169,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   }
   if (!request.between.empty())
     o.between = value_of("--between", [&] { return parse_rivals(o.powered.value_or(arm), request.between); });
-  // Missing values are replaced by plausible ones: deviations relative to zero friction are undefined.
+  // Missing values are replaced by plausible ones, since deviations relative to a friction of zero are undefined.
   if (!o.powered && !has_all_values(moved)) o.valued = plausible_model(moved, 1).arm;
   if (request.torque_noise)
     o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
@@ -177,7 +177,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   return o;
 }
 
-// The most violated limit, relative to its size.
+// The limit with the largest violation, relative to its size.
 const LimitMargin& most_violated(const Excitation& found) {
   const auto share = [](const LimitMargin& m) {
     const double size = std::isfinite(m.upper - m.lower) ? m.upper - m.lower : std::abs(m.lower);

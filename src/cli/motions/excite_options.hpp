@@ -9,28 +9,28 @@
 
 namespace veridyn::cli {
 
-// Parsers of the options of `excite`; each throws CLI::ValidationError with the value found and the
-// form expected.
+// Parsers of the options of `excite`. Each throws CLI::ValidationError with the value found and the form
+// expected.
 
-/// "EFFECT:PLACE,EFFECT:PLACE".
+/// Parses "EFFECT:PLACE,EFFECT:PLACE".
 std::pair<Cause, Cause> parse_rivals(const Model& arm, const std::string& words);
 
-/// "FRAME:X,X,Y,Y,Z,Z", from and to; "-inf" and "inf" leave a side open.
+/// Parses "FRAME:X,X,Y,Y,Z,Z" [m], from and to; "-inf" and "inf" leave a side open.
 FrameBox parse_frame_box(const std::string& words);
 
-/// "FRAME:R" or "FRAME:R,X,Y,Z".
+/// Parses "FRAME:R" or "FRAME:R,X,Y,Z" [m].
 Sphere parse_sphere(const std::string& words);
 
-/// "X,X,Y,Y,Z,Z", from and to, of --keep-out.
+/// Parses "X,X,Y,Y,Z,Z" [m], from and to, the value of --keep-out.
 Obstacle parse_obstacle_box(const std::string& words);
 
-/// "X,Y,Z,R".
+/// Parses "X,Y,Z,R" [m].
 Sphere parse_obstacle(const std::string& words);
 
-/// "FRAME:LOW,HIGH" or "FRAME:LOW,HIGH,X,Y,Z".
+/// Parses "FRAME:LOW,HIGH" or "FRAME:LOW,HIGH,X,Y,Z" [m].
 InsertionRange parse_insertion_range(const std::string& words);
 
-/// Every sphere keeps away from every obstacle and from the spheres on other frames.
+/// All pairs of a sphere with an obstacle, or with a sphere on another frame.
 std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
                                      const std::vector<Sphere>& obstacles, double clearance);
 

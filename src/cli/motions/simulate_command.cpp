@@ -40,7 +40,7 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   }
 }
 
-// Warns of a motion far beyond the limits of the robot file, and of units that contradict each other.
+// Warns of a motion far beyond the limits of the robot file, and of contradictory units.
 void warn_of_impossible_motion(const Model& arm, const std::string& path, const MotionSamples& motion) {
   std::vector<std::string> ranges, speeds;
   for (int i = 0; i < arm.joints(); ++i) {
@@ -60,10 +60,10 @@ void warn_of_impossible_motion(const Model& arm, const std::string& path, const 
   rows.time = motion.time;
   rows.q = motion.q;
   rows.dq = motion.dq;
-  std::set<std::string> said;  // once of each kind
+  std::set<std::string> said;  // each kind of finding is reported once
   for (const QualityFinding& f : check_recording(rows).findings) {
     if (f.severity != Severity::kFault || f.signal == "tau" || !said.insert(f.finding).second) continue;
-    const size_t advice = f.sentence.find("; --");  // options that a trajectory does not have
+    const size_t advice = f.sentence.find("; --");  // begins advice on options that a trajectory does not have
     print_message("warning: " + path + ": " + f.sentence.substr(0, advice) + (advice == std::string::npos ? "" : "."));
   }
 }
@@ -92,7 +92,7 @@ Model movable_arm(const SimulateRequest& request, const Model& arm) {
   return movable.arm;
 }
 
-// Steps start from the middle of the range.
+// A motion of steps that start from the middle of the joints' ranges.
 MotionSamples wanted_steps(const Model& arm, const std::vector<double>& steps) {
   expect_value(static_cast<int>(steps.size()) == arm.joints(), "--steps", "found ", steps.size(),
                " numbers, expected ", arm.joints(), ", one per joint of ", arm.name());

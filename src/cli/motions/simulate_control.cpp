@@ -17,7 +17,7 @@ namespace veridyn::cli {
 namespace {
 
 const char* const kControl = "Control";
-constexpr double kFrequency = 20.0;  // [rad/s] both poles of the error under computed torque
+constexpr double kFrequency = 20.0;  // [rad/s] double pole of the error under computed torque
 
 VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
   if (numbers.empty()) return {};

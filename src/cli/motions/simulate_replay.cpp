@@ -18,9 +18,9 @@
 namespace veridyn::cli {
 namespace {
 
-constexpr double kRampCutoff = 20.0;  // [Hz] low-pass for positions of slow ramps
+constexpr double kRampCutoff = 20.0;  // [Hz] low-pass of the positions for slow ramps
 
-// The recording as its replay uses it, with the remarks of the reader.
+// The input of a replay from a recording; reports the remarks of its reader.
 ReplayInput input_of(const SimulateRequest& request, const Model& arm,
                      const PreprocessingOptions& how) {
   ReplayInput input = replay_input(arm, request.replay, how);
@@ -112,7 +112,7 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);
   PreprocessingOptions how = request.preprocessing;
-  // Keeps steps of the position, which mark a new start.
+  // A high cut-off preserves jumps of the position, which mark a new start.
   how.signal_cutoff_ratio = kRampCutoff / how.cutoff;
   const ReplayInput input = input_of(request, arm, how);
   const Breakaway found = breakaway(*engine, arm, input, options);

@@ -19,19 +19,19 @@ struct SimulateRequest {
   std::string output;
   std::vector<std::string> effects;
   std::string noise = "low";
-  double sample_rate = 0.0;  // [Hz]; 0: that of the trajectory
+  double sample_rate = 0.0;  // [Hz] rate of the recording; 0: that of the trajectory
   std::string engine = "veridyn";
   std::string model_out;
   unsigned seed = 1;
   unsigned arm_seed = 1;
   std::string controller = "none";
   std::string drive = "commands";
-  std::string breakaway;         // a joint
-  double breakaway_speed = 0.0;  // [rad/s], [m/s]; 0: default
+  std::string breakaway;         // name or number of a joint; empty: none
+  double breakaway_speed = 0.0;  // [rad/s], [m/s] speed of sliding; 0: default
   std::string gains;
   std::vector<double> p, i, d, limit;
   std::vector<double> steps;     // [rad], [m] steps of one joint after the other, in place of a trajectory
-  std::string controller_model;  // of computed torque; empty: the arm as its file says
+  std::string controller_model;  // model of computed torque; empty: the arm as in its file
   LoopOptions loop;
   double set_point_cutoff = 0.0;  // [Hz]; 0: none
   PreprocessingOptions preprocessing;
@@ -49,7 +49,7 @@ void write_simulated(const SimulateRequest& request, const SimulatedRecording& s
 
 std::string simulation_report(const SimulateRequest& request, const SimulatedRecording& simulated);
 
-/// The control loop of the options; without gains on the command line or in a file it has none.
+/// The control loop that the options describe; its gains are empty if neither an option nor a file gives them.
 LoopOptions control_loop_options(const SimulateRequest& request, const Model& arm);
 
 Recording rows_of(const MotionSamples& motion, const MatrixXd& tau);
@@ -60,7 +60,7 @@ void report_omitted_effects(const SimulateRequest& request, const std::vector<st
 /// Reports a run that stopped early; its results are not written.
 bool stopped(const EngineRun& run, const Model& arm);
 
-/// @param command_line  for the page.
+/// @param command_line  command line that the page shows.
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
                           const MotionSamples& wanted, const SimulationOptions& options,
                           const std::string& command_line);

@@ -265,13 +265,13 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
-  // A slack member repeats zeros, which is no frozen sensor.
+  // Repeated zeros of a slack member are no sign of a stuck sensor.
   return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
 }
 
-// Checks the change between two samples; the length of the member is measured in every cycle, its force at
-// the rate of the sensor. A slack member has no force at any length.
+// True if the force changes between two samples by more than the length explains. The length of the member is
+// known in every cycle, its force at the rate of the sensor. A slack member has no force at any length.
 bool CooperativeController::jumps(size_t member, const ForceReading& reading,
                                   double length) noexcept {
   Watch& watch = watches_[member];
@@ -287,9 +287,9 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
   return !first && stiffness > 0.0 && change > options_.jump_force + 2.0 * stiffness * way;
 }
 
-// Compares a reading with the member's length over the whole time since the wanted force last arrived: a law
-// that follows a drifting sensor stretches or slackens the member until they disagree. A slack string has no
-// force, although its length would imply a negative one.
+// True if a reading disagrees with the member's length over the whole time since the wanted force last arrived:
+// a law that follows a drifting sensor changes the length until they disagree. A slack string has no force,
+// although its length would imply a negative one.
 bool CooperativeController::drifts(size_t member, const ForceReading& reading,
                                    const CooperativeInput& input) noexcept {
   Watch& watch = watches_[member];
@@ -314,7 +314,7 @@ bool CooperativeController::drifts(size_t member, const ForceReading& reading,
   return k > 0.0 && (reading.force < less - margin || reading.force > std::max(more, 0.0) + margin);
 }
 
-// Checks the generated energy while the wanted force is constant, because it is defined only then.
+// Checks the generated energy while the wanted force is constant, since it is defined only then.
 bool CooperativeController::generates_energy(size_t member, const ForceReading& reading,
                                          const CooperativeInput& input) noexcept {
   PassivityMonitor& monitor = monitors_[member];

@@ -9,8 +9,8 @@ namespace veridyn {
 namespace {
 
 constexpr double kCarried = 1.4;        // [kg] mass at the member for which its damping is designed
-constexpr double kMostDamping = 120.0;  // [N s/m]
-constexpr double kCrossover = 30.0;     // [rad/s]
+constexpr double kMostDamping = 120.0;  // [N s/m] largest damping
+constexpr double kCrossover = 30.0;     // [rad/s] crossover frequency of the force loop
 constexpr double kReachForce = 20.0;    // [N] force error that the largest displacement (ForceLaw::reach) can correct
 
 }  // namespace
@@ -49,7 +49,7 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
   clock_ += dt;
   const double e = wanted - reading.force;
   if (reading.number && reading.number != number_) {
-    // A lost sample is counted with the next one.
+    // The time of a lost sample is part of the next interval.
     const double since = !number_ ? dt : clock_ - last_time_;
     const double before = x_f_;
     if (std::abs(e) > law_.deadband) {

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kShortest = 1e-6;  // [m] smallest distance of tips with a defined direction
-constexpr double kLearning = 0.01;  // share of the difference that is corrected in each period
+constexpr double kLearning = 0.01;  // share of the difference that the estimated unloaded length gains per period
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -87,8 +87,8 @@ void TetherGuard::update_positions(const std::vector<Vector3d>& position) noexce
   }
 }
 
-// Sets L_max: taut members may carry twice the force (at the force itself other ends yield, and noise must
-// not move anything); members that have been slack keep their margin.
+// Sets L_max. Taut members may carry twice the allowed force, since the other ends already yield at that force,
+// and noise must not cause motion. Members that have been slack keep their margin.
 void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
   const double stretch = members_[k].stiffness > 0.0 ? 2.0 * force / members_[k].stiffness : 0.0;
   const double taut = lengths_[k] + stretch;
@@ -111,7 +111,7 @@ void TetherGuard::limit_end_accelerations(std::size_t k, const std::vector<char>
   const double rate = u.dot(relative);
   const double turning = (relative - rate * u).squaredNorm() / length;
   const double h = options_.horizon;
-  // Each end acts on its own, because the other one may have no torque.
+  // Each end applies the whole correction, since the other one may have no torque.
   const auto keep = [&](double sign, double bound) {  // sign d2L/dt2 <= most
     const double most = -sign * 2.0 / h * rate - sign * (length - bound) / (h * h);
     const double by_from = sign * (u.dot(seen_[to].acceleration) + turning) - most;

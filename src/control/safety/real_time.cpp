@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr std::size_t kStack = 256 * 1024;  // [bytes] of stack that a cycle uses at most
+constexpr std::size_t kStack = 256 * 1024;  // [bytes] largest stack use of a cycle
 
 void touch_stack() noexcept {
   volatile unsigned char page[kStack];
@@ -25,7 +25,7 @@ bool set_real_time_priority(int priority) noexcept {
   return ::sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
 }
 
-// If locked memory is limited, later allocations must not fail because of it.
+// Only present pages are locked if the amount is limited, so that later allocations do not fail.
 bool lock_memory() noexcept {
   touch_stack();
   rlimit limit{};

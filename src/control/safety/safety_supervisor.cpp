@@ -10,10 +10,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kHoldStiffness = 100.0;  // [1/s^2] about the position where the arm stopped
-constexpr double kBlindBraking = 0.8;     // share of the momentum; friction takes the rest
-// Multiple of the largest displacement between two measurements at the velocity limit: an arm that runs away
-// is stopped at 1.5 times that limit (SafetyLimits::runaway).
+constexpr double kHoldStiffness = 100.0;  // [1/s^2] stiffness about the position where the arm stopped
+constexpr double kBlindBraking = 0.8;     // share of the momentum that kFreeze removes; friction removes the rest
+// Ratio of a jump to the largest displacement between two measurements at the velocity limit. It is above
+// SafetyLimits::runaway, 1.5, at which an arm that runs away is stopped.
 constexpr double kJumpShare = 2.0;
 
 // Share of a motor's limit: a motor at rest with a larger torque is blocked.
@@ -22,7 +22,7 @@ constexpr double kNearLimit = 0.95;
 // A position counts as newly measured if its time of measurement has advanced by this share of a cycle.
 constexpr double kNewer = 0.5;
 
-// Rank of a fault's action; the strongest one applies.
+// Rank of a fault by its action; the highest rank applies.
 int strength(SafetyFault fault) {
   switch (action_of(fault)) {
     case SafetyAction::kMotorsOff:
@@ -77,7 +77,7 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
                             &limits_.tracking, &limits_.resolution})
     require(v->size() == n, "SafetySupervisor: found limits of ", v->size(), " entries, but arm '",
             arm.name(), "' has ", n, " joints.");
-  // minCoeff() may skip a NaN.
+  // The comparison is true for no NaN, whereas minCoeff() may skip one.
   const auto above_zero = [](const VectorXd& v) { return (v.array() > 0.0).all(); };
   require(above_zero(limits.upper - limits.lower) && above_zero(limits.velocity) &&
               above_zero(limits.torque) && limits.torque.allFinite() && above_zero(limits.tracking) &&
@@ -177,7 +177,7 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
       return {SafetyFault::kPosition, joint};
     const double share = state_ == SafetyState::kHoming ? limits_.homing_share : 1.0;
     if (std::abs(arm.dq()[i]) > share * limits_.velocity[i]) return {SafetyFault::kVelocity, joint};
-    // A NaN reference is not compared.
+    // The comparison is false if the reference is NaN.
     if (std::abs(input.q_wanted[i] - arm.q()[i]) > limits_.tracking[i])
       return {SafetyFault::kTracking, joint};
   }
@@ -202,7 +202,7 @@ SafetySupervisor::Finding SafetySupervisor::check_force(const SafetyInput& input
   if (!input.force.allFinite() || !(input.force_age <= limits_.force_age))
     return {SafetyFault::kForceSensor, {}};
   if (input.force.norm() > limits_.force) return {SafetyFault::kForce, {}};
-  // A NaN expected force never disagrees.
+  // The comparison is false if the expected force is NaN.
   const bool disagrees = (input.force - input.force_expected).norm() > limits_.force_disagreement;
   disagreed_ = disagrees ? disagreed_ + input.dt : 0.0;
   if (disagreed_ > limits_.disagreement_seconds) return {SafetyFault::kForceSensor, {}};
@@ -213,8 +213,8 @@ bool SafetySupervisor::is_at_rest(const ArmState& arm) const noexcept {
   return (arm.dq().cwiseAbs().array() <= limits_.rest_share * limits_.velocity.array()).all();
 }
 
-// The test in state "hold": the kinetic energy must decrease, unless the arm is at rest. After a force fault
-// the arm yields and may move, but must not run away.
+// Checks a held arm: its kinetic energy must decrease unless it is at rest. After a force fault the arm yields
+// and may move, but must not run away.
 SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
                                                        const SafetyInput& input) noexcept {
   const bool brakes = action_ == SafetyAction::kHold;
@@ -262,8 +262,8 @@ void SafetySupervisor::store_valid_state(const ArmState& arm, const SafetyInput&
   seen_ = true;
 }
 
-// At a fault: limits the holding torque to the uncertainty of the model plus the force at the tip,
-// and computes the torque that holds an arm without valid positions.
+// Limits the holding torque, at a fault, to the uncertainty of the model plus the force at the tip, and
+// computes the torque that holds an arm without valid positions.
 void SafetySupervisor::keep_holding_torque() noexcept {
   rest_.setZero();
   sound_.update(q_sound_, rest_);
@@ -299,7 +299,7 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
       brake(arm);
       break;
     case SafetyAction::kRelease:
-      // The part of the torque that is not from the model is left out, because it may cause the force.
+      // The torque in addition to the model's is omitted, since it may cause the force.
       y_ = -limits_.braking * arm.dq();
       out_ = arm.bias();
       out_.noalias() += arm.mass_matrix().lazyProduct(y_);
@@ -328,7 +328,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
                                          const VectorXd& tau) noexcept {
   assert(arm.joints() == out_.size() && tau.size() == out_.size());
   if (state_ != SafetyState::kDisabled) {
-    // The age of repeated positions has grown by one cycle; positions with a constant latency are new.
+    // The age of repeated positions grows by one cycle; positions of constant age are new.
     const double newer = input.dt + age_ - input.sensor_age;
     if (std::isfinite(newer)) {
       since_sound_ += newer;
@@ -348,7 +348,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
       stopped_ = watched_ = false;
       saturated_.setZero();
     }
-    // Only new measurements are stored. kFreeze lasts until reset, because velocities are wrong for some time
+    // Only new measurements are stored. kFreeze lasts until reset(), since velocities are wrong for some time
     // after a jump.
     const bool fresh = since_sound_ > kNewer * input.dt || !seen_;
     if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) store_valid_state(arm, input);

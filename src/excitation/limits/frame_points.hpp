@@ -29,7 +29,7 @@ class FramePoints {
  private:
   Tree tree_;
   Recursion<double> recursion_;
-  std::vector<Posed> T_world_;  // by link
+  std::vector<Posed> T_world_;  // poses of all links
 };
 
 }  // namespace veridyn

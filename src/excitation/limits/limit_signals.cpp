@@ -12,8 +12,8 @@ namespace veridyn {
 namespace {
 
 constexpr double kMarginOfSupervisor = 0.0025;  // share of a range that MotionCheck leaves at each end
-constexpr double kSizeOfGap = 0.1;      // [m] normalisation of gaps, as of boxes
-constexpr double kRoundedShare = 0.01;  // share of the largest speed, for signs in torques
+constexpr double kSizeOfGap = 0.1;      // [m] scale of gaps, and of boxes
+constexpr double kRoundedShare = 0.01;  // share of the largest speed within which signs in torques are smoothed
 
 }  // namespace
 

@@ -19,11 +19,11 @@ struct LimitSignal {
   std::string unit;
   double lower;
   double upper;
-  double scale;  ///< normalisation for comparing margins of different units
+  double scale;  ///< scale by which margins of different units are compared
 };
 
-/// Share of torque limits that is used: a supervisor stops an arm whose motors saturate, and friction is not
-/// known yet.
+/// Share of torque limits that is used: a supervisor stops an arm whose motors saturate, and the friction is
+/// still unknown.
 constexpr double kTorqueOfSupervisor = 0.95;
 
 /// All bounded quantities as signals along a motion. Signals 0 .. 3 n - 1 are q, dq, ddq
@@ -41,11 +41,11 @@ class LimitSignals {
   int joints() const { return joints_; }
   const LimitSignal& operator[](int k) const { return signals_[k]; }
 
-  /// All signals after q, dq, ddq: (rows x count() - 3 n).
+  /// The signals that follow q, dq, ddq: (rows x count() - 3 n).
   MatrixXd values(const MotionSamples& motion) const;
 
-  /// Their derivatives with respect to q, dq, ddq of the same row: one matrix (rows x 3 n) for each signal.
-  /// The dependence on earlier rows through memories is neglected.
+  /// Derivatives of values() with respect to q, dq, ddq of the same row: one matrix (rows x 3 n) for each
+  /// signal. The dependence on earlier rows through memories is neglected.
   std::vector<MatrixXd> slopes(const MotionSamples& motion) const;
 
  private:
@@ -74,8 +74,8 @@ class LimitSignals {
   int joints_;
   Model arm_;
   std::vector<LimitSignal> signals_;
-  double braking_;  // 0: braking is not considered
-  // Members for torques.
+  double braking_;  // [1/s]; 0: braking is not considered
+  // Data of the torque limits.
   std::vector<int> torque_joints_;
   std::unique_ptr<TorqueRegressor> bodies_;
   VectorXd phi_;

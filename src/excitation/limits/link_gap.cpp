@@ -15,7 +15,7 @@ constexpr int kPostures = 1000;        // number of random postures to find link
 // Share of postures above which a touching pair counts as two parts of one joint: links that a joint connects
 // overlap in all postures, others only in some.
 constexpr double kTouchesAlways = 0.9;
-constexpr double kStands = 1e-9;       // [m] change of a gap by rounding, on which no joint acts
+constexpr double kStands = 1e-9;       // [m] largest change of a gap by rounding, if no joint affects it
 constexpr int kSections = 60;          // steps of the search along a capsule's axis; each reduces the interval to 0.618 of its length
 constexpr double kGoldenSection = 0.6180339887498949;
 
@@ -63,7 +63,7 @@ double distance_to_box(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vec
   return way.norm();
 }
 
-// Nothing: the world.
+// The frame of a capsule; nullopt: the world.
 std::optional<FrameIndex> frame_of(const Model& arm, const Capsule& capsule) {
   if (capsule.frame == "world") return std::nullopt;
   const int frame = arm.find_frame(capsule.frame);

@@ -18,9 +18,9 @@ class LinkGap {
   /// The closest points of the two, on the axes of their capsules.
   struct Nearest {
     double gap = 0.0;
-    Eigen::Vector3d direction{0, 0, 0};  ///< in the world, from the second to the first; of norm one
-    std::optional<FrameIndex> frame;     ///< nothing: the world
-    Eigen::Vector3d point{0, 0, 0};      ///< in the frame
+    Eigen::Vector3d direction{0, 0, 0};  ///< unit vector from the second to the first, in the world
+    std::optional<FrameIndex> frame;     ///< frame of `point`; nullopt: the world
+    Eigen::Vector3d point{0, 0, 0};      ///< closest point in this frame [m]
     std::optional<FrameIndex> other;
     Eigen::Vector3d other_point{0, 0, 0};
   };

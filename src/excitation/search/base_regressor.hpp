@@ -23,9 +23,9 @@ class BaseRegressor {
   /// are the same.
   explicit BaseRegressor(const Model& arm, double rounding = 0.0);
 
-  /// The same with given base columns, among those of the bodies, ten each, and of the effects;
-  /// empty: the choice above. If they span less than all columns, the others are regrouped
-  /// approximately at random states.
+  /// Uses the given base columns, indices among those of the bodies, ten each, and of the effects; empty: the
+  /// columns described above. If they span less than all columns, the others are regrouped approximately at
+  /// random states.
   BaseRegressor(const Model& arm, const std::vector<int>& base, double rounding = 0.0);
 
   /// Number of base parameters.
@@ -36,8 +36,8 @@ class BaseRegressor {
   MatrixXd gram(const MotionSamples& motion) const;
 
   /// Derivatives of a function of the Gram matrix with respect to q, dq and ddq of every row, (rows x 3 n).
-  /// Bodies by dual numbers; effects, which are functions of a few numbers per sample, by differences of
-  /// fourth order; effects with memory by an adjoint pass.
+  /// Those of bodies are computed by dual numbers; those of effects, which are functions of a few numbers per
+  /// sample, by differences of fourth order; those of effects with memory by an adjoint pass.
   ///
   /// @param by_gram  (size x size), symmetric: derivative of the function with respect to the Gram matrix.
   MatrixXd gradient(const MotionSamples& motion, const MatrixXd& by_gram) const;
@@ -75,7 +75,7 @@ class BaseRegressor {
 /// from its Gram matrix; infinite above about 1e7, the resolution of this method.
 double scaled_condition_number(const MatrixXd& gram);
 
-/// The same with unscaled columns.
+/// Condition number of the base regressor with unscaled columns.
 double plain_condition_number(const MatrixXd& gram);
 
 /// ln det of the Gram matrix after dividing its columns by `scale`: minus twice the logarithm of the

@@ -8,8 +8,8 @@
 namespace veridyn {
 namespace {
 
-// Eigenvalues below this share of the largest are rounding errors; clamping them makes the
-// criterion large there and not small.
+// Eigenvalues below this share of the largest are rounding errors; raising them to it makes the criterion
+// large.
 constexpr double kSmallestShare = 1e-15;
 
 VectorXd inverse_norms(const MatrixXd& gram) {
@@ -58,7 +58,7 @@ SmoothValue smooth_condition(const MatrixXd& gram, ColumnNorm norm, double sharp
   const MatrixXd& V = eigen.eigenvectors();
   const MatrixXd by_C = V * slope.asDiagonal() * V.transpose();
   out.by_gram = scaled_both_sides(by_C, d);
-  // The norms depend on the diagonal.
+  // The scaling depends on the diagonal, which contributes to the derivative.
   if (one) {
     const VectorXd pull = by_C.cwiseProduct(C).rowwise().sum().cwiseProduct(d.cwiseAbs2());
     out.by_gram.diagonal() -= pull;

@@ -35,7 +35,7 @@ struct RivalColumns {
   /// One entry for each of A's columns: the size of its parameter. All zero if nuisance columns and B explain
   /// A completely, so that A is not identifiable on its own.
   VectorXd first;
-  VectorXd second;  ///< the same for B, whose columns are the last
+  VectorXd second;  ///< entries for B, whose columns are the last
 };
 
 /// The mean square torque of a cause whose parameters have the given sizes, after regression on
@@ -43,8 +43,8 @@ struct RivalColumns {
 ///
 ///   S_A = sum over k of size_k^2 (G_AA - G_AO inv(G_OO) G_OA)_kk
 struct RivalLeft {
-  double left = 0.0;   ///< O: nuisance and B
-  double alone = 0.0;  ///< O: nuisance
+  double left = 0.0;   ///< S_A if O are the nuisance columns and those of B
+  double alone = 0.0;  ///< S_A if O are the nuisance columns
   MatrixXd left_by_gram, alone_by_gram;
 };
 

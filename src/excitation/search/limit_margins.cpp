@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kInstantsPerWave = 64;
 
-// Range of a signal, widened by its curvature between instants. A signal that does not repeat is constant
+// Range of a signal, enlarged by its curvature between instants. A signal that does not repeat is constant
 // before its first and after its last sample.
 std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   const Eigen::Index rows = v.size();

@@ -23,7 +23,7 @@ class MotionObjective {
   double value(const VectorXd& x) const { return at(x).value; }
   VectorXd gradient(const VectorXd& x) const { return gradient(x, at(x)); }
 
-  /// The value, and the data for its gradient.
+  /// The value at x; stores the data for its gradient.
   SmoothValue at(const VectorXd& x) const;
   VectorXd gradient(const VectorXd& x, const SmoothValue& at_x) const;
 

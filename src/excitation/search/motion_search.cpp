@@ -10,19 +10,19 @@
 namespace veridyn {
 namespace {
 
-constexpr int kDraws = 32;            // random motions, the best of which starts a search
-constexpr int kTrials = 16;           // random motions that start short descents
-constexpr int kTrialIterations = 30;  // each
-constexpr int kFollowed = 3;          // descents that are continued to the end
-constexpr int kCriterionInstantsPerWave = 24;  // instants of the shortest wave, for the criterion
-// The same for the limits; violations between the instants are removed afterwards.
+constexpr int kDraws = 32;            // number of random motions, of which the best starts a search
+constexpr int kTrials = 16;           // number of random motions that start short descents
+constexpr int kTrialIterations = 30;  // iterations of each short descent
+constexpr int kFollowed = 3;          // number of short descents that are continued to the end
+constexpr int kCriterionInstantsPerWave = 24;  // instants per shortest wave at which the criterion is evaluated
+// Instants per shortest wave at which limits are evaluated; violations between them are removed afterwards.
 constexpr int kLimitsPerWave = 14;
 static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // successive values of the sharpness of the smooth condition number
-constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
-constexpr int kNarrowings = 5;                // rounds until the limits hold between the instants as well
+constexpr double kLastSharpness = 100.0;      // sharpness for the best motion of all searches
+constexpr int kNarrowings = 5;                // most rounds that tighten limits for the times between samples
 constexpr double kWide = 1.01;                // margin above a requested range, because bounds are adapted afterwards
-constexpr double kInside = 1e-7;              // share of a limit's scale, as a margin for rounding
+constexpr double kInside = 1e-7;              // margin for rounding, as a share of a limit's scale
 
 constexpr double kRoundingShare = 1e-12;  // share of a joint's limits that stays free
 
@@ -236,7 +236,8 @@ VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joi
                                Found& found) const {
   const int p = space_.per_joint();
   const int instants = kLimitsPerWave * space_.harmonics();
-  // A start with the wanted ranges, if the speeds allow it; the spans use the instants of its extremes.
+  // The start has the wanted ranges, if the speeds allow it; each span is between the instants of the joint's
+  // extremes.
   VectorXd x = from;
   const MotionBounds bounds = space_.trajectory(from).bounds();
   Descent descent{kSharpness[0], options_.iterations};
@@ -283,7 +284,7 @@ VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
                                    limits.acceleration[i] / bounds.acceleration[i]}) *
                          (1.0 - kRoundingShare);
     own.tail(p - 1) *= share;
-    // The range around the mean position decreases with the motion.
+    // The extremes about the mean position are scaled with the motion.
     const double mean = space.middle_of(i) + space.size_of(i) * own[0];
     const double low = share * (bounds.lower[i] - mean);
     const double high = share * (bounds.upper[i] - mean);

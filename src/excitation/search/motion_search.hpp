@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// Descents of one search for the condition number, each with a sharper approximation.
+/// Number of descents of one search for the condition number, each with a sharper approximation.
 constexpr int kStages = 2;
 
 /// Result of one start.
@@ -33,8 +33,8 @@ class MotionSearch {
   /// Approximate number of iterations of one start, without repeated descents.
   static int expected_iterations(const ExcitationOptions& options);
 
-  /// A final descent on a close approximation of the condition number. Empty for other criteria, and if it
-  /// finds no motion within the limits.
+  /// Makes a final descent on a close approximation of the condition number. Returns an empty vector for other
+  /// criteria, or if it finds no motion within the limits.
   VectorXd polished(const VectorXd& from, int start, Found& found) const;
 
   /// The best motion near `from` in which each of the joints uses kLittleUse of its range within `limits`.
@@ -43,7 +43,7 @@ class MotionSearch {
 
  private:
   struct Bounds {
-    VectorXd lower, upper;  ///< of every signal
+    VectorXd lower, upper;  ///< bounds of every signal
   };
   Bounds allowed() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
@@ -85,10 +85,10 @@ VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x);
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
                                        const FourierTrajectory& trajectory);
 
-/// The same for samples of a motion that need not repeat, by the curvature between them.
+/// Range and margin of every limit for samples of a motion that need not repeat, by the curvature between them.
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals, const MotionSamples& motion);
 
-/// Margins of two successive motions.
+/// The margins of two motions that follow each other.
 std::vector<LimitMargin> joined(const std::vector<LimitMargin>& first,
                                 const std::vector<LimitMargin>& second);
 

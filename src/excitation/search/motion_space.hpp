@@ -38,7 +38,7 @@ class MotionSpace {
   /// are `slopes` (rows x 3 n).
   VectorXd gradient(const Basis& basis, const MatrixXd& slopes) const;
 
-  /// q_i = middle_i + size_i * (basis . x_i).
+  /// Size of a joint's coordinates: q_i = middle_i + size_i * (basis . x_i).
   double size_of(int joint) const { return size_[joint]; }
   double middle_of(int joint) const { return middle_[joint]; }
 

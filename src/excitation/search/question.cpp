@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFloorOfTorque = 1e-3;
 constexpr int kStates = 400;
-constexpr double kNoTorque2 = 1e-12;  // share of the largest joint's mean square
+constexpr double kNoTorque2 = 1e-12;  // share of the largest joint's mean square below which a joint has no torque
 constexpr double kRidge = 1e-14;
 
 // The inverse of a positive matrix, scaled to a diagonal of ones first; a ridge keeps it finite.
@@ -148,8 +148,8 @@ double Question::cost(const MotionSamples& motion) const { return verdict(exact_
 
 namespace {
 
-// The thesis' condition number uses unweighted rows; a confidence ellipsoid needs rows divided by
-// their noise.
+// The condition number of the thesis is for unweighted rows; a confidence ellipsoid needs rows divided by their
+// noise.
 VectorXd weights_of_rows(const Model& arm, const ExcitationOptions& options) {
   if (options.criterion == ExcitationCriterion::kCondition) return VectorXd::Ones(arm.joints());
   if (options.criterion == ExcitationCriterion::kDiscriminate)

@@ -16,7 +16,7 @@
 
 namespace veridyn {
 
-/// Share of the largest speed within which a search smooths signs.
+/// Share of the largest speed within which the sign of a velocity is smoothed in a search.
 constexpr double kRounding = 0.01;
 
 /// Columns, weights and criterion of a search: smooth columns for the descent, exact ones for the final
@@ -25,9 +25,9 @@ struct Question {
   std::shared_ptr<const StackedColumns> rounded;
   std::shared_ptr<const StackedColumns> exact;
   VectorXd row_weights;  ///< (n)
-  VectorXd scale;        ///< of the columns
-  MatrixXd basis;        ///< of ColumnScaling::kOrthogonal
-  RivalColumns rivals;   ///< for kDiscriminate
+  VectorXd scale;        ///< scale of the columns
+  MatrixXd basis;        ///< basis for ColumnScaling::kOrthogonal
+  RivalColumns rivals;   ///< columns of the causes, for kDiscriminate
   bool bodies_known = false;
   std::vector<int> rival_joints;  ///< joints of the two causes, from 0
   std::pair<std::string, std::string> rival_names;
@@ -36,7 +36,7 @@ struct Question {
 
   VectorXd sizes{};  ///< parameter_sizes(), for kAOptimal
 
-  /// Objective of a descent, at some instants of a period.
+  /// Objective of a descent, whose Gram matrix is summed over `instants` of a period.
   MotionObjective objective(const MotionSpace& space, double sharpness, int instants) const;
 
   /// Weighted Gram matrix per row, earlier recordings included.

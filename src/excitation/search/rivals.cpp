@@ -18,7 +18,7 @@
 namespace veridyn {
 namespace {
 
-// One of the two causes, with its text in messages.
+// One of the two causes, with its text for messages.
 struct KnownRival {
   std::string label;
   Cause cause;
@@ -33,7 +33,7 @@ VectorXd own_values(const Model& arm, const KnownRival& rival) {
 
 using Columns = std::vector<std::shared_ptr<const ColumnSource>>;
 
-// Columns of the body on this frame alone.
+// The columns of a body on this frame.
 Columns body_on_frame(const Model& arm, FrameIndex frame, const std::vector<int>& kept) {
   ModelDescription only = arm.description();
   for (Frame& f : only.frames) f.body.reset();
@@ -64,9 +64,9 @@ bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) 
          term.axis.coefficients == VectorXd::Unit(term.axis.coefficients.size(), joint.value);
 }
 
-constexpr size_t kMostChoices = 3;  // choices of one cause's constants
+constexpr size_t kMostChoices = 3;  // largest number of choices of one cause's constants
 
-// Every second choice, if there are many: neighbours on a fine grid have nearly the same columns.
+// Every second choice, as long as there are too many: neighbours on a fine grid have nearly the same columns.
 std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {
   while (choices.size() > kMostChoices) {
     std::vector<ShapeChoice> fewer;
@@ -116,7 +116,7 @@ std::vector<int> numbers(int first, int count) {
   return out;
 }
 
-// Relative sizes of the parameters: 1 kg within 0.1 m, or equal torques.
+// Relative sizes of the parameters: 1 kg within 0.1 m for a load, otherwise equal torques.
 VectorXd sizes_of(const KnownRival& rival, const MatrixXd& W, const std::vector<int>& columns,
                   int first) {
   VectorXd out(columns.size());

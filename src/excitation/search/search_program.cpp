@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kHeld = 2e-6;  // share of a limit's scale within which it counts as satisfied: the tolerance of a solver
+constexpr double kHeld = 2e-6;  // violation that counts as none, as a share of a limit's scale
 // Weight of a regularisation that keeps the motion bounded.
 constexpr double kPullBack = 1e-4;
 

@@ -45,12 +45,12 @@ class GridConstraints {
   const MotionSpace& space_;
   const LimitSignals& signals_;
   MotionSpace::Basis basis_;
-  std::vector<int> kept_;  // signals with a bound
-  std::vector<Span> spans_;  // their rows are the last ones
+  std::vector<int> kept_;  // indices of the signals with a bound
+  std::vector<Span> spans_;  // spans, whose rows are the last ones
   int joint_rows_ = 0;
   VectorXd lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;
-  VectorXd constant_;  // entries of the Jacobian for q, dq, ddq
+  VectorXd constant_;  // entries of the Jacobian for q, dq, ddq, which are constant
 };
 
 /// Minimises the criterion within the limits, and stores the best motion within them, independently of the
@@ -84,14 +84,14 @@ class SearchProgram final : public NonlinearProgram {
   const GridConstraints& limits_;
   int variables_;
   VectorXd objective_at_, constraints_at_;
-  SmoothValue there_;  // at objective_at_
+  SmoothValue there_;  // criterion at objective_at_
   GridConstraints::Violation violation_{};
   std::optional<Best> best_;
   int evaluations_ = 0;
 };
 
-/// Minimises t such that all limits hold after those of torques and positions in space are widened by t times
-/// their scale. t <= 0 if they can be satisfied, else t is the violation. The last variable is t.
+/// Minimises t such that all limits hold if those of torques and positions in space are widened by t times
+/// their scale. They can be satisfied if t <= 0; else t is the violation. The last variable is t.
 class WidestViolation final : public NonlinearProgram {
  public:
   explicit WidestViolation(const GridConstraints& limits, int variables);

@@ -14,7 +14,7 @@ class SearchProgress {
  public:
   using Listener = std::function<void(const std::string&, double)>;
 
-  /// @param steps  of one search, at most.
+  /// @param steps  largest number of steps of one search.
   SearchProgress(Listener listener, int searches, int steps);
 
   /// Reports one more step of a search.

@@ -54,7 +54,7 @@ constexpr double kSmallGain = 3e-5;
 
 // One side of l <= s <= u. Components without a bound have distance 1 and multiplier 0.
 struct BoundSide {
-  Eigen::ArrayXd exists;  // 1 or 0
+  Eigen::ArrayXd exists;  // 1 if the component has a bound, else 0
   Eigen::ArrayXd bound;
   double sign;  // distance = sign (bound - s)
   Eigen::ArrayXd z{};
@@ -70,7 +70,7 @@ struct BoundSide {
   }
   double sum_of_logs(const VectorXd& s) const { return distance(s).log().sum(); }
 
-  // Equation (4), for s and for z.
+  // Evaluates equation (4), for s and for z.
   double longest_step(const VectorXd& s, const VectorXd& p_s) const {
     return longest_fraction((exists * sign * p_s.array() / distance(s)).maxCoeff());
   }
@@ -79,7 +79,7 @@ struct BoundSide {
   }
 
  private:
-  // @param decrease  the largest relative decrease in a whole step.
+  // @param decrease  largest relative decrease in a full step.
   static double longest_fraction(double decrease) { return decrease > kTau ? kTau / decrease : 1.0; }
 };
 
@@ -179,7 +179,7 @@ class InteriorPoint {
       side->z = side->exists * mu_ / side->distance(s_);
   }
 
-  // Residual of (2) with mu = 0 (19.10 of the book).
+  // The residual of (2) with mu = 0 (19.10 of the book).
   double error() const {
     const VectorXd z = (lower_.z - upper_.z).matrix();
     return std::max({lagrangian_gradient(z).lpNorm<Eigen::Infinity>(),
@@ -207,7 +207,7 @@ class InteriorPoint {
     return true;
   }
 
-  // Equation (5).
+  // Evaluates equation (5).
   double merit(double f, const VectorXd& s, const VectorXd& c) const {
     return f - mu_ * (lower_.sum_of_logs(s) + upper_.sum_of_logs(s)) + nu_ * (c - s).lpNorm<1>();
   }

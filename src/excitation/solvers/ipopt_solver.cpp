@@ -16,8 +16,8 @@ using Ipopt::Index;
 using Ipopt::Number;
 
 constexpr double kUnbounded = 2e19;       // Ipopt's infinity
-constexpr double kLimitTolerance = 1e-6;  // share of a limit's scale
-constexpr double kFirstStep = 0.1;        // length of a step before the curvature is known
+constexpr double kLimitTolerance = 1e-6;  // tolerance as a share of a limit's scale
+constexpr double kFirstStep = 0.1;        // length of the first step, before the curvature is known
 constexpr int kPatience = 8;              // iterations that change the objective by less than kSmallestGain
 constexpr double kSmallestGain = 1e-4;
 
@@ -134,7 +134,7 @@ class IpoptProgram final : public Ipopt::TNLP {
   NonlinearProgram& program_;
   const SolverOptions& options_;
   MatrixXd B_;
-  VectorXd x_, gradient_, jacobian_;  // at the last update
+  VectorXd x_, gradient_, jacobian_;  // values at the last update
   bool first_ = true;
 };
 

@@ -11,14 +11,14 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLimitTolerance = 1e-7;  // share of a limit's scale
+constexpr double kLimitTolerance = 1e-7;  // tolerance as a share of a limit's scale
 constexpr double kSmallestGain = 1e-5;    // relative decrease that ends a descent
 
 struct NloptProblem {
   NonlinearProgram& program;
   const SolverOptions& options;
   nlopt_opt solver;
-  // Index and sign: +1 for an upper bound, -1 for a lower one.
+  // Index of the constraint, and sign: +1 for an upper bound, -1 for a lower one.
   std::vector<std::pair<int, double>> rows;
 };
 

@@ -8,8 +8,7 @@
 
 namespace veridyn {
 
-/// Minimise f(x) subject to lower <= c(x) <= upper, with exact derivatives: interface of the
-/// solvers.
+/// A program for the solvers: minimise f(x) subject to lower <= c(x) <= upper, with exact derivatives.
 class NonlinearProgram {
  public:
   virtual ~NonlinearProgram() = default;
@@ -51,8 +50,8 @@ SolverResult solve_with_interior_point(NonlinearProgram& program, const VectorXd
                                        const SolverOptions& options);
 
 /// Ipopt (Waechter and Biegler, Mathematical Programming 106(1), 2006) with the same dense BFGS matrix as its
-/// Hessian, and NLopt's sequential quadratic programming (SLSQP, Kraft 1988). Both receive the limits that
-/// can become active, see working_set.hpp. Built if their packages are installed.
+/// Hessian, and NLopt's sequential quadratic programming (SLSQP, Kraft 1988). Both receive only the limits that
+/// can become active, see working_set.hpp. They exist if their packages are installed.
 SolverResult solve_with_ipopt(NonlinearProgram& program, const VectorXd& start,
                               const SolverOptions& options);
 SolverResult solve_with_nlopt(NonlinearProgram& program, const VectorXd& start,
@@ -60,7 +59,7 @@ SolverResult solve_with_nlopt(NonlinearProgram& program, const VectorXd& start,
 
 /// Damped BFGS updating, procedure 18.2 of Nocedal and Wright: B stays positive definite.
 /// @param s_k, y_k  change of x and of the Lagrangian's gradient.
-/// @param first  B has no curvature yet; its scale is chosen first.
+/// @param first  true: B has no curvature yet, and its scale is chosen first.
 void update_hessian(MatrixXd& B, const VectorXd& s_k, const VectorXd& y_k, bool first);
 
 }  // namespace veridyn

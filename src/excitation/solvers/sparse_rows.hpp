@@ -25,7 +25,7 @@ class SparseRows {
     values_.resize(static_cast<Eigen::Index>(pattern.size()));
   }
 
-  /// @param values  in the order of the pattern.
+  /// @param values  values of the entries in the order of the pattern.
   void set(const VectorXd& values) {
     for (size_t e = 0; e < place_.size(); ++e)
       values_[place_[e]] = values[static_cast<Eigen::Index>(e)];
@@ -42,7 +42,7 @@ class SparseRows {
     return out;
   }
 
-  /// J' y.
+  /// The product J' y.
   VectorXd transposed_times(const VectorXd& y, Eigen::Index columns) const {
     VectorXd out = VectorXd::Zero(columns);
     for (size_t r = 0; r + 1 < begin_.size(); ++r) {
@@ -53,7 +53,7 @@ class SparseRows {
     return out;
   }
 
-  /// A += J' diag(weights) J, the lower triangle; columns ascend within a row.
+  /// Adds J' diag(weights) J to the lower triangle of A; columns ascend within a row.
   void add_normal(const VectorXd& weights, MatrixXd& A) const {
     for (size_t r = 0; r + 1 < begin_.size(); ++r) {
       const double weight = weights[static_cast<Eigen::Index>(r)];
@@ -68,7 +68,7 @@ class SparseRows {
 
  private:
   std::vector<size_t> begin_;
-  std::vector<Eigen::Index> place_;  // index of an entry of the pattern
+  std::vector<Eigen::Index> place_;  // for each entry, its index in the pattern
   std::vector<int> column_;
   VectorXd values_;
 };

@@ -79,7 +79,7 @@ class WorkingSet final : public NonlinearProgram {
 /// continues from that solution.
 inline SolverResult with_working_set(const NonlinearSolver& solver, NonlinearProgram& whole,
                                      const VectorXd& start, const SolverOptions& options) {
-  constexpr double kNear = 0.15;  // share of a limit's scale
+  constexpr double kNear = 0.15;  // distance from a bound, as a share of a limit's scale
   constexpr double kBeside = 0.02;
   constexpr double kHeld = 1e-6;
   constexpr int kRounds = 8;

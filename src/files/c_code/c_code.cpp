@@ -18,7 +18,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMemory = 3;  // numbers in the memory of an effect
+constexpr int kMemory = 3;  // number of doubles in the memory of an effect
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
@@ -37,7 +37,7 @@ std::string safe_c_text(std::string words) {
   return words;
 }
 
-// c . q + s0 as C.
+// The linear form c . q + s0 as C.
 std::string linear_form(const Axis& axis, const char* variable, double offset) {
   std::string out;
   for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
@@ -274,7 +274,7 @@ static double {0}_contact(double s, double distance, double* z) {{
            "  (void)@phi, (void)@joint_names, (void)@parameter_names;\n");
   }
 
-  // Writes a function; `in` and `out` are arrays. torque() explains the effects' memory.
+  // Writes a function with the array arguments `in` and `out`. The text of torque() explains the effects' memory.
   void write_function(const std::string& what, const std::string& name,
                 const std::vector<const char*>& in, const std::vector<const char*>& out,
                 const std::string& body) {
@@ -384,7 +384,7 @@ static double {0}_contact(double s, double distance, double* z) {{
   VectorXd phi_;
   std::vector<EffectFacts> effects_;
   std::vector<std::string> left_out_;
-  std::set<std::string> called_;  // helper functions
+  std::set<std::string> called_;  // helper functions that are called
   std::string out_, for_doubles_;
 };
 

@@ -12,8 +12,8 @@ namespace {
 
 thread_local TracedProgram* opened = nullptr;
 
-constexpr double kNothing = 1e-17;  // smaller entries of a rotation are rounding of cos(pi/2)
-constexpr double kRounding = 1e-15;  // rounding of an offset that is a quarter turn
+constexpr double kNothing = 1e-17;  // smaller entries of a rotation are rounding errors of cos(pi/2)
+constexpr double kRounding = 1e-15;  // tolerance for an offset that is a quarter turn
 constexpr size_t kLongest = 110;    // longest expression in one line, in characters
 
 }  // namespace
@@ -136,7 +136,7 @@ Traced& Traced::operator-=(const Traced& other) {
   return *this = *this - other;
 }
 
-// The angles q + pi/2, pi - q and q of several joints share one sine and one cosine.
+// Reuses one sine and one cosine for angles such as q, pi - q and q + pi/2 of several joints.
 void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
   using Kind = TracedProgram::Kind;
   TracedProgram& program = TracedProgram::open();
@@ -185,8 +185,8 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
   cosine = c;
 }
 
-// `around` is the precedence of the enclosing operator: 0 none, 1 a sum, 2 after a minus, 3 a
-// product, 4 a divisor.
+// Writes a node as C. `around` is the precedence of the enclosing operator: 0 none, 1 a sum, 2 after a minus, 3
+// a product, 4 a divisor.
 std::string TracedProgram::expression(int at, const std::vector<int>& uses, int around) const {
   const Node& n = nodes_[at];
   const auto part = [&](int child, int tightness) {

@@ -18,7 +18,7 @@ double force_at(const EffectFacts& effect, double s, double ds, double dds) {
   return effect.force_at(x);
 }
 
-// The effect as a simple force, by its traits; all zero if it is none.
+// The effect as a simple force, determined from its traits; all zero if it cannot be one.
 SimpleForce simple_force(const EffectFacts& effect) {
   SimpleForce out;
   out.axis = effect.term().axis;

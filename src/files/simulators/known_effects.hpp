@@ -21,17 +21,17 @@ struct KnownEffects {
   std::vector<std::string> left_out;  ///< the other effects, in words
 };
 
-/// Forces as simulators attach them.
+/// The forces in the places where simulators store them: at joints, at tendons, or in motors.
 struct PlacedEffects {
-  std::vector<SimpleForce> along;   ///< by coordinate, scaled to its own axis
+  std::vector<SimpleForce> along;   ///< one force per coordinate, scaled to its own axis
   std::vector<SimpleForce> across;  ///< along several coordinates at once
-  VectorXd constants;               ///< by coordinate; those of springs are in the springs
+  VectorXd constants;               ///< constant per coordinate; constants of springs are in the springs
 };
 
 /// @param joints  number of the arm's coordinates.
 PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints);
 
-/// Determined by the traits and columns of the effects, without using their names.
+/// The effects of an arm, divided by their traits and columns, without their names.
 KnownEffects known_effects(const Model& arm);
 
 }  // namespace veridyn

@@ -15,9 +15,9 @@
 namespace veridyn {
 namespace {
 
-// [kg], [kg m^2] minimum that MuJoCo requires of every moving body.
+// [kg], [kg m^2] smallest mass and inertia, since MuJoCo requires some of every moving body.
 constexpr double kLeastMjcfMass = 1e-12;
-constexpr double kStep = 1e-3;         // [s]
+constexpr double kStep = 1e-3;         // [s] time step
 // Time constant and damping ratio of couplings: transients end within four steps.
 const char* const kStiff = "0.004 1";
 
@@ -201,7 +201,7 @@ class MjcfWriter {
     spring(node, f, "springref");
   }
 
-  // offset + stiffness s = stiffness (s - reference).
+  // Writes the spring offset + stiffness s as stiffness (s - reference).
   void spring(pugi::xml_node node, const SimpleForce& f, const char* reference) {
     if (f.stiffness == 0.0) return;
     set(node, "stiffness", f.stiffness);
@@ -274,7 +274,7 @@ class MjcfWriter {
     add_coupling(frame_name(k), joint_name(k), coefficients(k));
   }
 
-  // Constraint 0 = joint - c . q.
+  // Couples a joint by the constraint 0 = joint - c . q.
   void add_coupling(const std::string& name, const std::string& joint, const VectorXd& c) {
     pugi::xml_node tendon = tendons_.append_child("fixed");
     set(tendon, "name", name + "__coupling");
@@ -287,7 +287,7 @@ class MjcfWriter {
     set(equality, "solref", std::string(kStiff));
   }
 
-  // Constant effects act through the motors: force = control - constant.
+  // Adds motors, through which constant effects act: force = control - constant.
   void add_motors(pugi::xml_node actuators) const {
     for (int i = 0; i < arm_.joints(); ++i) {
       const Coordinate& c = arm_.coordinates()[at(i)];

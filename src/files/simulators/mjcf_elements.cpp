@@ -74,7 +74,7 @@ pugi::xml_attribute MjcfElements::setting(const char* section, const char* name,
   return out;
 }
 
-// If a class or a setting of a class occurs twice, the first one is used.
+// Reads the classes. If a class or a setting of a class occurs twice, the first one is used.
 void MjcfElements::read_classes() {
   const auto take = [this](pugi::xml_node defaults, const char* name) {
     classes_.try_emplace(name, defaults);
@@ -113,7 +113,7 @@ pugi::xml_attribute MjcfElements::given(pugi::xml_node node, const char* name) c
   for (; from && std::strcmp(from.name(), "default") == 0; from = from.parent()) {
     if (const pugi::xml_attribute inherited = setting_of(from, node.name(), name)) return inherited;
   }
-  // Several top-level sections <default> make up the class main.
+  // MuJoCo combines several top-level sections <default> into the class main.
   for (const pugi::xml_node top : root().children("default")) {
     if (const pugi::xml_attribute inherited = setting_of(top, node.name(), name)) return inherited;
   }
@@ -222,7 +222,7 @@ std::optional<Body> MjcfElements::inertia(pugi::xml_node node, const Eigen::Isom
   return body_of(xml_, own, mass, T_frame_body * pose(own), I);
 }
 
-// Sum of a body's geoms, each with uniform density.
+// The body that is the sum of the element's geoms, each with uniform density.
 std::optional<Body> MjcfElements::inertia_of_geoms(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const {
   std::optional<Body> sum;
   for (const pugi::xml_node part : node.children()) {

@@ -34,7 +34,7 @@ class MjcfElements {
   double number(pugi::xml_node node, const char* name, double otherwise) const;
   std::vector<double> numbers(pugi::xml_node node, const char* name, int least, int most) const;
 
-  double angle() const { return angle_; }  ///< [rad] of one unit of the file
+  double angle() const { return angle_; }  ///< [rad] per unit of angle in the file
   Eigen::Isometry3d pose(pugi::xml_node node) const;
 
   /// True if the range of a joint or actuator is a limit.
@@ -59,8 +59,8 @@ class MjcfElements {
 
   pugi::xml_attribute setting_of(pugi::xml_node defaults, const char* element, const char* name) const;
 
-  std::unordered_map<std::string, pugi::xml_node> classes_;  // by name: their element <default>
-  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // for each element <default> and each kind of element
+  std::unordered_map<std::string, pugi::xml_node> classes_;  // elements <default> of the classes by name
+  std::map<std::pair<std::size_t, std::string>, pugi::xml_node> settings_;  // by <default> and kind of element
   double angle_ = 1.0;
   std::string sequence_ = "xyz";
   bool auto_limits_ = true, geoms_always_ = false, geoms_never_ = false;

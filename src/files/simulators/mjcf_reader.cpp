@@ -66,7 +66,7 @@ class MjcfReader : private MjcfElements {
     joint_of_frame_.push_back(joint);
   }
 
-  // Bodies and sites below a body. `T` places the body's own axes in the frame `parent`.
+  // Reads bodies and sites below a body. `T` is the pose of the body's own axes in the frame `parent`.
   void children(pugi::xml_node above, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T, bool moves) {
     for (const pugi::xml_node node : above.children()) {
       const std::string kind = node.name();
@@ -212,7 +212,7 @@ class MjcfReader : private MjcfElements {
     }
   }
 
-  // y - ref_y = c0 + c1 (x - ref_x), where the references are positions in the initial pose.
+  // Couples joints by y - ref_y = c0 + c1 (x - ref_x), where the references are positions in the initial pose.
   void couple_joints(pugi::xml_node law, double c0, double c1) {
     const int y = find_joint(law, "joint1");
     if (!law.attribute("joint2")) {
@@ -223,7 +223,8 @@ class MjcfReader : private MjcfElements {
     follow(law, y, {{x, c1}}, reference_position(y) + c0 - c1 * reference_position(x));
   }
 
-  // length - length in the initial pose = c0; the tendon's first joint follows the others.
+  // Couples the joints of a tendon by length - length in the initial pose = c0; its first joint follows the
+  // others.
   void couple_tendon(pugi::xml_node law, double c0) {
     if (law.attribute("tendon2")) xml_.fail(law, "an equality of two tendons", "one of a fixed tendon");
     const std::string name = law.attribute("tendon1").value();
@@ -350,10 +351,10 @@ class MjcfReader : private MjcfElements {
   }
 
   ModelDescription model_;
-  std::set<std::string> names_;      // of frames
-  std::vector<FileJoint> joints_;    // in the order of MuJoCo's qpos
-  std::vector<int> joint_of_frame_;  // -1: fixed
-  std::vector<Axis> variables_;      // by joint
+  std::set<std::string> names_;      // names of the frames
+  std::vector<FileJoint> joints_;    // joints in the order of MuJoCo's qpos
+  std::vector<int> joint_of_frame_;  // index of each frame's joint; -1: fixed
+  std::vector<Axis> variables_;      // variable of each joint
   std::vector<std::pair<int, double>> biases_;
 };
 

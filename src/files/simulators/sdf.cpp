@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// A link without an inertial would have a mass of 1 kg in SDF.
+// SDF gives a link without an inertial a mass of 1 kg, so that one with tiny values is written.
 constexpr double kLeastSdfMass = 1e-9;      // [kg]
 constexpr double kNoInertia = 1e-12;  // [kg m^2]
 
@@ -23,7 +23,7 @@ std::string given(pugi::xml_node node, const char* name, const char* otherwise) 
   return attribute ? attribute.value() : otherwise;
 }
 
-// "x y z r p y" of URDF's <origin>.
+// Text "x y z r p y" of URDF's <origin>.
 std::string pose_of(pugi::xml_node node) {
   const pugi::xml_node origin = node.child("origin");
   return given(origin, "xyz", "0 0 0") + " " + given(origin, "rpy", "0 0 0");

@@ -50,7 +50,7 @@ class SdfReader {
  private:
   static std::string words_of(pugi::xml_node node, const char* child) { return node.child(child).text().get(); }
 
-  // Chooses the only model with moving joints, alone in the file or in a world.
+  // Chooses the only model with moving joints; it may be in a world.
   void choose_model() {
     std::vector<pugi::xml_node> found;
     const auto search_models_in = [&](pugi::xml_node above) {
@@ -81,7 +81,7 @@ class SdfReader {
     return element ? xml_.numbers(element, child, element.text().get(), 1, 1)[0] : otherwise;
   }
 
-  // "x y z roll pitch yaw", with angles in degrees or as a quaternion where the element says so.
+  // Reads "x y z roll pitch yaw", in degrees or as a quaternion if the element says so.
   Eigen::Isometry3d pose_of_element(pugi::xml_node pose) const {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     const std::string format = pose.attribute("rotation_format").value();
@@ -112,7 +112,7 @@ class SdfReader {
     if (depth > parts_.size()) xml_.fail(node, "the pose of '" + name + "' in a cycle", "one that ends at the model");
     const pugi::xml_node pose = node.child("pose");
     std::string base = pose.attribute("relative_to").value();
-    if (base.empty()) base = pose.attribute("frame").value();  // its name in SDFormat 1.5 and 1.6
+    if (base.empty()) base = pose.attribute("frame").value();  // name of the attribute in SDFormat 1.5 and 1.6
     if (base.empty()) {
       base = std::strcmp(node.name(), "joint") == 0 ? words_of(node, "child") : node.attribute("attached_to").value();
       if (base.empty()) base = "__model__";
@@ -161,7 +161,7 @@ class SdfReader {
     joints_.push_back(joint);
   }
 
-  // variable = multiplier (leader - reference) + offset.
+  // Makes a joint mimic another one: variable = multiplier (leader - reference) + offset.
   void follow(std::size_t j) {
     const pugi::xml_node mimic = joints_[j].node.child("axis").child("mimic");
     if (!mimic) return;
@@ -293,7 +293,7 @@ class SdfReader {
   Eigen::Isometry3d T_world_model_ = Eigen::Isometry3d::Identity();
   std::map<std::string, pugi::xml_node> parts_;  // links, joints and frames by name
   std::map<std::string, pugi::xml_node> above_;  // the joint above each link
-  std::vector<FileJoint> joints_;                // those that move
+  std::vector<FileJoint> joints_;                // moving joints
   std::vector<Axis> variables_;
 };
 

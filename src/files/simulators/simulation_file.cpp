@@ -41,7 +41,7 @@ void set_attribute(pugi::xml_node node, const char* name, const std::string& val
   a.set_value(value.c_str());
 }
 
-// Common parts of both formats: values that differ, and values that cannot be written.
+// The common parts of both formats: updates values that differ, and lists those that cannot be written.
 class UpdatedSimulation {
  public:
   UpdatedSimulation(const Model& arm, const Model& in_file, const std::string& path, const char* root)
@@ -74,7 +74,8 @@ class UpdatedSimulation {
     }
   }
 
-  // Bodies whose values differ from those of the file, or are missing in it.
+  // Calls change() for bodies whose values differ from those of the file, and add() for those that are missing
+  // in it.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
               const std::function<bool(const Frame& mine)>& add) {
     for (const int k : arm_.bodies()) {
@@ -95,7 +96,7 @@ class UpdatedSimulation {
     }
   }
 
-  // Effects on each coordinate's own axis; others are reported.
+  // Updates effects on each coordinate's own axis; others are reported.
   void update_effects(const std::function<bool(const std::string& joint, const char* value, double now)>& change, bool rotors) {
     const KnownEffects mine = known_effects(arm_);
     for (const std::string& one : mine.left_out) out_.left_out.push_back(one);
@@ -216,7 +217,8 @@ class UpdatedMjcf : public UpdatedSimulation {
   }
 
  private:
-  // Only "auto" uses a body's own inertial; inertials that were unused before must then be removed.
+  // Makes the compiler use a body's own inertial, as only "auto" does; inertials that were unused so far must
+  // then be removed.
   void use_file_inertials() {
     from_geoms_.attribute("inertiafromgeom").set_value("auto");
     for (const pugi::xml_node tree : trees_) {
@@ -239,14 +241,14 @@ class UpdatedMjcf : public UpdatedSimulation {
     written_.insert(name);
   }
 
-  // Pose of the frame in its body's axes: that of the site of the same name, see read_mjcf().
+  // The pose of the frame in its body's axes: that of the site with the same name, see read_mjcf().
   Posed frame_in_body(const std::string& body) const {
     const pugi::xml_node there = find_in(elements_.root(), "body", body);
     const pugi::xml_node site = there.find_child_by_attribute("site", "name", body.c_str());
     return site ? from_eigen(elements_.pose(site)) : identity_pose();
   }
 
-  // Without a length of its own a tendon's spring is relaxed at the spring references of its joints.
+  // A tendon's spring without a length of its own is relaxed at the spring references of its joints.
   bool is_referenced(const std::string& joint, const std::string& value) const override {
     if (value != "spring") return false;
     for (const pugi::xml_node section : root_.children("tendon")) {
@@ -302,7 +304,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     return true;
   }
 
-  MjcfElements elements_;  // of the same file
+  MjcfElements elements_;  // elements of that file
   pugi::xml_node from_geoms_;
   std::set<std::string> written_;  // bodies that have an inertial of the model
 };

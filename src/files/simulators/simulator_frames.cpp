@@ -49,7 +49,7 @@ std::vector<Axis> joint_variables(const XmlFile& xml, const std::vector<FileJoin
     out[j].coefficients[next++] = 1.0;
     known[j] = 1;
   }
-  // Every pass resolves the joints that depend only on resolved ones.
+  // Each pass resolves the joints that depend on resolved ones only.
   for (bool progress = true; progress;) {
     progress = false;
     for (std::size_t j = 0; j < joints.size(); ++j) {

@@ -32,7 +32,8 @@ struct FileJoint {
   pugi::xml_node node;
   std::string name;
   bool turns = true;
-  /// For a dependent joint: constant + sum of coefficient * joint variable.
+  /// Share of another joint: the variable of a dependent joint is constant + sum of coefficient * joint
+  /// variable.
   struct Share {
     int joint;
     double coefficient;

@@ -13,7 +13,7 @@ namespace veridyn {
 /// The shortest digits that are read back as the same number; no negative zero.
 std::string xml_number(double value);
 
-/// "x y z".
+/// Text "x y z".
 std::string xml_vector(const Vec3d& v);
 std::string xml_vector(const Eigen::Vector3d& v);
 

@@ -19,7 +19,7 @@ namespace {
 // to_urdf() writes this where URDF requires a number and the model has none.
 constexpr double kUnlimited = 1e9;
 
-// Rz(yaw) Ry(pitch) Rx(roll) through a quaternion, with the rounding of urdfdom.
+// The rotation Rz(yaw) Ry(pitch) Rx(roll), computed through a quaternion with the rounding of urdfdom.
 Eigen::Matrix3d rotation(const std::vector<double>& rpy) {
   if (rpy.empty()) return Eigen::Matrix3d::Identity();
   const double phi = rpy[0] / 2.0, the = rpy[1] / 2.0, psi = rpy[2] / 2.0;
@@ -214,7 +214,7 @@ class UrdfReader {
     return out;
   }
 
-  // The only link without a joint above it, from which joints lead to all others.
+  // The root: the only link without a joint above it, from which joints lead to all others.
   std::string root_link() const {
     if (links_.empty()) xml_.fail(xml_.root(), "no links", "<link name=\"...\">");
     std::vector<std::string> roots;
@@ -236,7 +236,8 @@ class UrdfReader {
     return roots[0];
   }
 
-  // variable = multiplier * variable of the leader + offset; a fixed leader stays at zero.
+  // Makes a joint mimic another one: variable = multiplier * variable of the leader + offset; a fixed leader
+  // stays at zero.
   void follow(std::size_t j) {
     const pugi::xml_node mimic = moving_[j].node.child("mimic");
     if (!mimic) return;
@@ -290,9 +291,9 @@ class UrdfReader {
   XmlFile xml_;
   ModelDescription model_;
   std::map<std::string, pugi::xml_node> links_, joints_;
-  std::map<std::string, Body> bodies_;       // by link
+  std::map<std::string, Body> bodies_;       // bodies by link
   std::map<std::string, Joint> above_;       // the joint above each link
-  std::map<std::string, FrameIndex> frames_;  // by link
+  std::map<std::string, FrameIndex> frames_;  // frames by link
   std::vector<FileJoint> moving_;
   std::vector<Axis> variables_;
 };

@@ -67,7 +67,7 @@ class UrdfWriter {
       if (main_frame_[at(i)] < 0) add_carrier_joint(i);
     }
     for (std::size_t k = 0; k < arm_.frames().size(); ++k) frame(static_cast<int>(k));
-    // The coordinates' joints in the order of the coordinates, which is that of the columns of
+    // The joints of the coordinates come first, in the order of the coordinates and of the columns of
     // recordings.
     for (const Joint& j : main_joints_) write(j);
     for (const Joint& j : other_joints_) write(j);
@@ -255,7 +255,7 @@ class UrdfWriter {
     if (words != extras_.remarks.end()) line(depth, xml_comment(words->second));
   }
 
-  // Writes visuals and collisions unchanged; materials of the whole robot belong to the empty name.
+  // Writes visuals and collisions unchanged; materials of the whole robot are stored under the empty name.
   void shapes(const std::string& frame) {
     const auto found = extras_.appearance.find(frame);
     if (found == extras_.appearance.end()) return;
@@ -319,7 +319,7 @@ class UrdfWriter {
 
   const Model& arm_;
   const UrdfExtras& extras_;
-  std::vector<int> main_frame_;  // the frame whose joint is the coordinate itself, or -1
+  std::vector<int> main_frame_;  // index of the frame whose joint is the coordinate itself, or -1
   std::vector<Joint> main_joints_;
   std::vector<Joint> other_joints_;
   std::string out_;

@@ -80,7 +80,7 @@ class EffectReader {
   const std::vector<std::string>& frames_;
 };
 
-// `effects:`; a key of an effect that is not among effect_keys() is a parameter.
+// Reads `effects:`; a key of an effect that is not among effect_keys() is a parameter.
 std::vector<EffectTerm> read_effects(const YamlNode& list,
                                      const std::vector<std::string>& coordinates,
                                      const std::vector<std::string>& frames) {
@@ -205,7 +205,7 @@ class ModelReader {
     return channel;
   }
 
-  // Must be called after all coordinates are read, because it uses their names.
+  // Reads the crosstalk; needs the names of all coordinates.
   void read_crosstalk() {
     size_t joint = 0;
     for (const YamlNode& node : root_.at("coordinates").items("a list of coordinates")) {

@@ -158,8 +158,8 @@ class ModelWriter {
     return joined(parts);
   }
 
-  // {coordinate: coefficient, ...}; if all coefficients are zero the first one is written, so that
-  // the map is not empty.
+  // Writes {coordinate: coefficient, ...}; if all coefficients are zero, the first one is written, so that the
+  // map is not empty.
   std::string linear_form(const std::string& place, const VectorXd& c) const {
     std::vector<std::string> parts;
     for (int i = 0; i < arm_.joints(); ++i) {

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// Inertia about the centre of mass by Steiner's theorem.
+// The inertia about the centre of mass by Steiner's theorem.
 Eigen::Matrix<double, 6, 1> central_inertia(const InertialParameters& phi,
                                             const Eigen::Vector3d& com) {
   return phi.tail<6>() -

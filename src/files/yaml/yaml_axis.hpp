@@ -11,7 +11,7 @@ namespace veridyn {
 /// Position of a name in a list, or -1.
 int index_of(const std::vector<std::string>& names, const std::string& name);
 
-/// c . q from {coordinate: coefficient, ...}.
+/// Reads c . q from {coordinate: coefficient, ...}.
 Axis read_axis(const YamlNode& node, const std::vector<std::string>& coordinates);
 
 }  // namespace veridyn

@@ -16,7 +16,7 @@ double deviation(const YamlNode& node) {
   return value;
 }
 
-// Inertia about the centre of mass, in the order of inertial_parameters().
+// Reads the inertia about the centre of mass, in the order of inertial_parameters().
 Eigen::Matrix<double, 6, 1> read_inertia(const YamlNode& node) {
   const std::vector<std::string> keys{"xx", "xy", "yy", "xz", "yz", "zz"};
   node.allow_keys(keys);

@@ -7,10 +7,10 @@
 
 namespace veridyn {
 
-/// `body: true | false | {mass, com, inertia | parameters, std, fixed, box}`.
+/// Reads `body: true | false | {mass, com, inertia | parameters, std, fixed, box}`.
 std::optional<Body> read_body(const YamlNode& node);
 
-/// `box: {mass_max, com_reach}`.
+/// Reads `box: {mass_max, com_reach}`.
 ParameterBox read_box(const YamlNode& node);
 
 /// Names of the ten numbers, in the order of InertialParameters.

@@ -82,7 +82,7 @@ class FrameReader {
               "parents before children");
   }
 
-  // "a -> b -> a" if the parents of frame k lead back to it.
+  // The text "a -> b -> a" if the parents of frame k form a cycle.
   std::string cycle_through(int k) const {
     std::string path = names_[k];
     int at = k;

@@ -11,9 +11,9 @@ namespace veridyn {
 
 DhConvention read_convention(const YamlNode& node);
 
-/// `frames:`, parents before children.
+/// Reads `frames:`, parents before children.
 ///
-/// @param convention  for DH rows that do not name their own, if the file has one.
+/// @param convention  convention of the file for DH rows that do not name their own; nullopt: none.
 std::vector<Frame> read_frames(const YamlNode& list, const std::vector<std::string>& coordinates,
                                const std::optional<DhConvention>& convention);
 

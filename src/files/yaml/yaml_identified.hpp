@@ -7,11 +7,11 @@
 
 namespace veridyn {
 
-/// `identified: {recordings, clusters, error, motion, base: [{name, unit, value, free, std, of,
+/// Reads `identified: {recordings, clusters, error, motion, base: [{name, unit, value, free, std, of,
 /// factor}]}`; std follows from factor and serves human readers.
 IdentifiedBase read_identified(const YamlNode& node, int joints);
 
-/// The section as lines of text, with its key.
+/// The section `identified:` as text.
 std::string identified_text(const IdentifiedBase& identified);
 
 }  // namespace veridyn

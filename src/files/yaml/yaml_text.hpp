@@ -10,7 +10,7 @@
 namespace veridyn {
 
 constexpr double kYamlRounding =
-    1e-15;  ///< rounding allowed in a file, relative to 1 + |number|
+    1e-15;  ///< rounding error allowed in a file, relative to 1 + |number|
 
 bool same_in_yaml(double a, double b);
 
@@ -35,7 +35,7 @@ class YamlNumbers {
   /// @throws InvalidInput  the value is not finite.
   std::string number(const std::string& place, double value) const;
 
-  /// The same, with right angles as multiples of pi.
+  /// Writes an angle, with right angles as multiples of pi.
   std::string angle(const std::string& place, double value) const;
 
   /// "[x, y, z]", without noise.

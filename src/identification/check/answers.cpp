@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-// Each finding once; if recordings disagree about a joint, the most frequent finding.
+// Removes repeated findings. If recordings disagree about a joint, the most frequent finding remains.
 std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   using Key = std::pair<std::string, int>;
   std::map<Key, int> votes;
@@ -31,8 +31,8 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
   return out;
 }
 
-// True for a contradiction that a diagnosis explains itself: it estimates the tilt of a base (against an
-// identified model any direction of gravity) as a cause, and reports pushes.
+// True for a contradiction that a diagnosis estimates as a cause or reports itself: a change during the
+// recording, such as a push, and a tilted base (against an identified model any direction of gravity).
 bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
   if (q.finding == "changed_midway") return true;
   if (q.finding != "gravity") return false;

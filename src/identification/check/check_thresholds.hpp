@@ -1,7 +1,7 @@
 #pragma once
 
-/// All numbers that can change the findings of `check` on a recording and a robot, each with its
-/// inequality, and with its reason where one is known.
+/// All numbers that can change the findings of `check` on a recording and a robot. Each comment gives the
+/// condition, then its consequence, and the reason where one is known.
 namespace veridyn::checking {
 
 /// rows > kMostRows: the rest is not read; 25 s at 200 Hz are sufficient.
@@ -16,8 +16,8 @@ constexpr double kWorstCondition = 2e4;
 /// hypothesis is accepted; this corresponds to one joint's share falling to 0.4 of its value. The same for the misfit of a fit
 /// to all rows, none of them held out.
 constexpr double kMisfitDecrease = 0.9;
-/// Decrease of the misfit > kGainsBetter: efforts are currents. Drive gains differ little between joints, and
-/// so do the fits.
+/// Decrease of the misfit > kGainsBetter: efforts are taken as currents. Drive gains differ little between
+/// joints, so that the two fits differ little.
 constexpr double kGainsBetter = 0.3;
 /// remaining error <= kNearNoise * the torque's white noise, or the rounding of its digits: no further
 /// hypothesis is tested, and those accepted so far are applied. Friction near rest leaves a few times the
@@ -26,11 +26,12 @@ constexpr double kNearNoise = 3.0;
 /// remaining error of a joint <= kExact, or kNearNoise times its noise: it is explained. Friction near rest
 /// leaves up to 1 % of a joint's torque on perfect recordings.
 constexpr double kExact = 1.5e-2;
-/// relative error < kSmallestShare: replaced by this value; less is noise.
+/// relative error < kSmallestShare: replaced by this value; smaller errors are noise.
 constexpr double kSmallestShare = 1e-5;
-/// power lost to friction / (rms torque * rms speed) > kFrictionShare: its sign is significant.
+/// power lost to friction / (rms torque * rms speed) > kFrictionShare: the sign of the friction is significant.
 constexpr double kFrictionShare = 0.03;
-/// the same > kFrictionAboveRest * sqrt(unexplained share): the unexplained part may itself do work.
+/// power lost to friction / (rms torque * rms speed) > kFrictionAboveRest * sqrt(unexplained share), since that
+/// part may do work.
 constexpr double kFrictionAboveRest = 0.3;
 /// relative increase of the rms misfit without friction > kFrictionSignificance: in the first seconds of a
 /// motion other parameters may absorb friction. Recordings of a PSM have 0.27 to 2.3.
@@ -79,12 +80,13 @@ constexpr double kGrid = 50.0, kRowsAWave = 10.0;
 /// Square of the second difference of white noise = kSecondDifference * its variance.
 constexpr double kSecondDifference = 6.0;
 /// share of a spring's torque that gravity cannot represent < kSpringApart: spring and load cannot be
-/// separated, if the joint also moves over a share < kWeakly of its range, so that larger motions are to be
-/// expected.
+/// separated. It is reported if the joint moves over a share < kWeakly of its range, where a larger motion is
+/// possible.
 constexpr double kSpringApart = 0.03, kWeakly = 0.25;
-/// remaining error < kFitCounts * the error without the fit: the fit counts.
+/// remaining error < kFitCounts * the error without the hypothesis: the report gives this improvement as the
+/// reason.
 constexpr double kFitCounts = 0.98;
-/// torque > kBeyondEffort * the joint's largest effort: another unit would make it impossible.
+/// torque > kBeyondEffort * the joint's largest effort: the torque is impossible in this unit.
 constexpr double kBeyondEffort = 3.0;
 /// remaining error with transformations < kClearImprovement * the error without them: a diagnosis applies them even
 /// though the model lacks something else.
@@ -110,8 +112,8 @@ constexpr double kSignCertain = 0.2;
 constexpr double kReachesZero = 0.01;
 /// number of hypotheses that are extended in each round <= kBeam.
 constexpr int kBeam = 3;
-/// remaining error with a hypothesis < kFitted * that without it: required of hypotheses with fitted numbers
-/// or another arm as long as the arm does not fit, and of uncertain ones.
+/// remaining error with a hypothesis <= kFitted * that without it: required of uncertain hypotheses, and of
+/// those with fitted numbers or another arm, which reduce the error of any incomplete model a little.
 constexpr double kFitted = 0.5;
 /// Cost of a wrong sign of a position minus that of a torque = kPositionSignCost: an arm that is its own mirror
 /// image fits both equally well.
@@ -137,8 +139,8 @@ constexpr double kDrift = 3.0;
 /// of kFactorStep.
 inline constexpr double kFilters[] = {0.053, 0.16, 0.53};
 constexpr double kFactorStep = 0.3;
-/// Number of moments at which something may have changed = kMoments - 1; cost of excluding rows = kExcludedRowsCost, so
-/// that the longest part is kept among those that fit equally well.
+/// A change within a recording is tested at kMoments - 1 moments; cost of excluding rows = kExcludedRowsCost,
+/// so that the longest part is kept among those that fit equally well.
 constexpr int kMoments = 16;
 constexpr double kExcludedRowsCost = 3.0;
 /// number of inverse iterations = kPowers; each divides the error by the ratio of two eigenvalues.
@@ -148,10 +150,11 @@ constexpr int kPowers = 8;
 constexpr double kAtRest = 0.01, kLongRest = 0.5;
 /// |share of a range| < kMostShare [%]: positions may lie slightly beyond the ends.
 constexpr double kMostShare = 110.0;
-/// direction bit of a load register = kDirectionBit; both directions occur in at least one of kBothDirections
-/// rows.
+/// Torques of servos may be load registers, in which the bit kDirectionBit is the direction; both directions
+/// must occur, each in at least one of kBothDirections rows.
 constexpr double kDirectionBit = 1024.0, kBothDirections = 20.0;
-/// number of directions around one = kTiltDirections; gravity = kGravity [m/s^2] if the file has none.
+/// number of directions tested around one of gravity = kTiltDirections; gravity = kGravity [m/s^2] if the file
+/// has none.
 constexpr int kTiltDirections = 8;
 constexpr double kGravity = 9.81;
 /// cosine between the file's gravity and another direction > kLeaning: within 45 degrees the finding is a

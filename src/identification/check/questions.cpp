@@ -23,7 +23,7 @@ using Names = std::vector<std::string>;
 
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + "," + b; }
 
-// "q1=deg,tau=Nm" as pairs.
+// Splits "q1=deg,tau=Nm" into pairs of signal and unit.
 std::vector<std::pair<std::string, std::string>> assignments(const std::string& list) {
   std::vector<std::pair<std::string, std::string>> out;
   std::istringstream words(list);
@@ -31,7 +31,7 @@ std::vector<std::pair<std::string, std::string>> assignments(const std::string& 
   return out;
 }
 
-// The columns of this signal; currents have been converted to torques.
+// The columns of this signal; for currents those of the torques, to which they have been converted.
 MatrixXd* columns_of(const std::string& signal, Recording& r) {
   for (const auto& [name, values] : {std::pair{"q", &r.q}, std::pair{"dq", &r.dq}, std::pair{"ddq", &r.ddq}, std::pair{"tau", &r.tau}, std::pair{"i", &r.tau}}) {
     if (signal == name) return values->size() > 0 ? values : nullptr;
@@ -39,7 +39,7 @@ MatrixXd* columns_of(const std::string& signal, Recording& r) {
   return nullptr;
 }
 
-// "tau3": the signal, and the joint from 0.
+// Splits "tau3" into the signal and the joint (from 0).
 std::pair<std::string, int> column(const std::string& key) {
   const std::size_t digits = key.find_last_not_of("0123456789") + 1;
   return {key.substr(0, digits), digits < key.size() ? std::stoi(key.substr(digits)) - 1 : -1};
@@ -79,8 +79,8 @@ RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<s
   return q;
 }
 
-// The positions of all joints, or of the joint with this index (from 0) and name, were measured on the motor
-// side of a gear.
+// The hypothesis that positions of all joints, or of the joint with this index (from 0) and name, were measured
+// on the motor side of a gear.
 RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
@@ -93,7 +93,7 @@ RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, c
                   });
 }
 
-// The joint (from 0) has this angle where the robot file has zero.
+// The hypothesis that the joint (from 0) has this angle where the robot file has zero.
 RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
   const std::string words = fmt::format("{:.4g}", zero);
   return numbered({"encoder_zero", joint + 1, 0, text("The position of ", name, " is counted from another zero, which lies at ", words, " rad"), text("q", joint + 1, "=rad@", words)},
@@ -102,8 +102,8 @@ RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
                   });
 }
 
-// The torques of all joints, or of the joint with this index (from 0) and name, were measured `late` seconds
-// after the motion, and `later` seconds at the end of a recording of this length.
+// The hypothesis that torques of all joints, or of the joint with this index (from 0) and name, were measured
+// `late` seconds after the motion, and `later` seconds at the end of a recording of this length.
 RecordingQuestion torques_late(double late, double later, double length, int joint = -1, const std::string& name = "") {
   const auto when = [](double by) { return fmt::format("{:.0f} ms {} the motion", 1e3 * std::abs(by), by < 0.0 ? "before" : "after"); };
   const bool drifts = late != later;
@@ -135,7 +135,7 @@ RecordingQuestion torques_late(double late, double later, double length, int joi
   return q;
 }
 
-// Torques that passed an exponential filter, y += (1 - a) (x - y), with this time constant [s].
+// The hypothesis that torques passed a filter y += (1 - a) (x - y) with this time constant [s].
 RecordingQuestion torques_filtered(double constant) {
   RecordingQuestion q{"torque_filter", 0, 0, fmt::format("The torques passed a low-pass of about {:.2g} Hz", 0.5 / (M_PI * constant))};
   q.other = "recording them without it";
@@ -219,7 +219,7 @@ class List {
     return out_.back();
   }
 
-  // "q3=-rad,dq3=-rad/s"
+  // Units with reversed signs for joint i: "q3=-rad,dq3=-rad/s".
   std::string reversed(const Names& signals, int i) const {
     std::string out;
     for (const std::string& s : signals) {
@@ -239,8 +239,8 @@ class List {
     if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
 
-  // Positions and velocities of all joints in another unit. Velocities are derived again if the file has none
-  // in the new unit.
+  // Adds the hypothesis that positions and velocities of all joints are in another unit. Velocities are
+  // derived again if the file has none in the new unit.
   void in_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
     if (!dq.empty() && !has_velocity()) return;
     const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
@@ -254,7 +254,8 @@ class List {
 
   bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
 
-  // "q=mm,dq=mm/s"; for an arm with revolute joints, this for each prismatic joint.
+  // Adds millimetres as the unit of positions and velocities, "q=mm,dq=mm/s"; for an arm with revolute
+  // joints, of each prismatic joint alone.
   void millimetres() {
     std::string units;
     for (int i = 0; i < joints(); ++i) {
@@ -297,8 +298,7 @@ class List {
     }
   }
 
-  // Gear ratios that bring the largest angle of one joint (from 0), or of all joints, into the range of an
-  // arm.
+  // Adds gear ratios that bring the largest angle of one joint (from 0), or of all, into the range of an arm.
   void motor_side(double largest, int joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
@@ -320,7 +320,7 @@ class List {
       add("current", 0, "Efforts are motor currents", "tau=A");
   }
 
-  // Torques in another unit, by the factors that fit best: of one joint, and of all.
+  // Adds other units of the torques, by the factors that fit best: of one joint, and of all.
   void factors(const QuickFit& fit) {
     const auto is_beyond = [](double factor, double bound) { return factor > bound || (factor > 0.0 && factor * bound < 1.0); };
     const auto is_far = [&](double factor) { return is_beyond(factor, checking::kTorqueFactor); };
@@ -350,7 +350,7 @@ class List {
     add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kFittedNumberCost * joints();
   }
 
-  // Torques of an arm that brakes hold between its motions.
+  // Tests whether brakes hold the arm between its motions, so that its torques at rest are meaningless.
   void brakes() {
     const std::vector<char> rests = rows_at_rest(r_);
     const long count = std::count(rests.begin(), rests.end(), 1);
@@ -364,7 +364,7 @@ class List {
     };
   }
 
-  // Torques that lag or lead the motion. Errors below kPoorFit come from friction near rest on correct
+  // Tests torques that lag or lead the motion. Errors below kPoorFit come from friction near rest on correct
   // recordings, and are not tested.
   void clocks() {
     bool any = false;
@@ -388,7 +388,7 @@ class List {
     }
   }
 
-  // True for whole numbers up to 2047, on both sides of 1024.
+  // True if all torques are load registers: whole numbers up to 2047, on both sides of the direction bit 1024.
   bool is_load_register() const {
     long high = 0, low = 0;
     for (const double v : r_.tau.reshaped()) {
@@ -399,7 +399,7 @@ class List {
     return checking::kBothDirections * static_cast<double>(std::min(high, low)) > static_cast<double>(high + low);
   }
 
-  // Columns of these signals in another order: the index of the column that holds each joint.
+  // Adds another order of these signals' columns: `order` has the index of the column that holds each joint.
   RecordingQuestion& arranged(int joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
     RecordingQuestion& q = add("swapped_joints", joint, what, "");
     for (const std::string& signal : signals) {
@@ -410,8 +410,8 @@ class List {
     return q;
   }
 
-  // Two joints exchanged; all joints in the alphabetical order of their names, as ROS sorts them; all joints
-  // shifted by one.
+  // Adds exchanges: of two joints; of all joints in the alphabetical order of their names, as ROS sorts them;
+  // of all joints, shifted by one.
   void exchanges() {
     std::vector<int> own(static_cast<std::size_t>(joints()));
     std::iota(own.begin(), own.end(), 0);
@@ -479,7 +479,7 @@ class List {
   const Recording& r_;
   std::string torque_;
   const std::vector<bool>& moves_;
-  VectorXd shares_;  // unexplained, by joint
+  VectorXd shares_;  // unexplained share of each joint's squared torque
   std::vector<WantedJoint> joints_;
   Names motion_, all_;  // recorded signals of the motion; the same with the torque
   bool turning_ = false, sliding_ = false;

@@ -13,10 +13,10 @@ namespace veridyn {
 /// A mistake that a recording or a robot file may contain, and the options that correct it.
 struct RecordingQuestion {
   std::string finding;  ///< name of the finding, see check_against()
-  int joint = 0;        ///< from 1; 0: all
+  int joint = 0;        ///< number of the joint from 1; 0: all
   int second = 0;       ///< the other joint of an exchange, from 1; 0: none
   std::string what;     ///< "Positions are degrees"
-  std::string units = {};  ///< of --units, which apply_to() applies; empty: none
+  std::string units = {};  ///< units for --units, applied by apply_to(); empty: none
   std::string map = {};    ///< for --map, applied by apply_to(); empty: none
   std::string other = {};  ///< other correction: an option, or an entry of the robot file
   std::function<void(Recording&)> rows = {};  ///< correction of the rows, if `other` concerns the recording

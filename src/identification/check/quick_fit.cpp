@@ -144,7 +144,7 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   try {
     for_each_segment(arm_, recording, options_, add);
   } catch (const InvalidInput&) {
-    return nullptr;  // numbers that no recording can have, after a transformation
+    return nullptr;  // a transformation has produced numbers that no recording can have
   }
   for (std::vector<MatrixXd>& fold : out->products) {
     for (MatrixXd& products : fold) {

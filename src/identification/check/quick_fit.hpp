@@ -18,31 +18,31 @@ namespace veridyn {
 /// Sums over the rows of a recording from which its fit follows for any linear map of its torques.
 struct RegressorMoments {
   std::vector<std::vector<MatrixXd>> products;  ///< for each fold and joint: products of the base columns and all torques
-  std::vector<std::vector<int>> columns;        ///< of every joint: indices of the base parameters
+  std::vector<std::vector<int>> columns;        ///< indices of the base parameters of every joint
   MatrixXd power;   ///< (n x base) sum of the power that friction takes from each joint
-  VectorXd speed2;  ///< by joint
+  VectorXd speed2;  ///< squared speed of each joint
 };
 
 /// Properties of a recording that do not change under the tested transformations.
 struct RecordedFacts {
   double rate = 0.0;    ///< [Hz]
-  double period = 0.0;  ///< [s] 0: none
+  double period = 0.0;  ///< [s] period of the motion; 0: none
   VectorXd noise2;      ///< (n) share of each joint's squared torque that is white noise
 };
 RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& options);
 
 /// Result of one short identification; errors refer to held-out rows.
 struct QuickFit {
-  VectorXd shares;  ///< by joint: unexplained share of its squared torque
-  MatrixXd folds;   ///< (joints x folds) the same in each fold
+  VectorXd shares;  ///< unexplained share of each joint's squared torque
+  MatrixXd folds;   ///< (joints x folds) these shares in each fold
   /// Sum over the joints of log(share), plus costs of contradictions to physics or to the file's values.
   double misfit = 0.0;
   double contradictions = 0.0;  ///< the part of the misfit from contradictions to the file's values
   VectorXd fitted;                 ///< (n) unexplained share in the fit to all rows, none of them held out
   double fitted_misfit = 0.0;      ///< the misfit of that fit
   VectorXd values;                 ///< base parameters of that fit; empty if the recording allows none
-  VectorXd friction;               ///< by joint: power lost to friction, relative to rms torque times rms speed
-  VectorXd friction_significance;  ///< by joint: relative rise of the rms misfit without friction
+  VectorXd friction;               ///< power lost to friction in each joint, relative to rms torque times rms speed
+  VectorXd friction_significance;  ///< relative rise of each joint's rms misfit without friction
   /// (n) recorded torque relative to that of the file's values; 0 if these explain too little of it.
   VectorXd ratios;
   /// (n) factor of each torque that fits best, if only this one is scaled, and if all are, up to a common

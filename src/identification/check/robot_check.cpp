@@ -33,8 +33,8 @@ struct Answer {
   std::vector<RecordingQuestion> set;
   QuickFit fit;
   double score = 0.0;  // misfit and costs, relative to the recording without corrections
-  MatrixXd before;     // folds without the last hypothesis
-  double fitted_gain = 0.0;  // by which the last hypothesis lowers the misfit of the fit to all rows
+  MatrixXd before;     // shares in the folds without the last hypothesis
+  double fitted_gain = 0.0;  // decrease of the misfit of the fit to all rows by the last hypothesis
 };
 
 class RobotCheck {
@@ -44,8 +44,8 @@ class RobotCheck {
     moves_ = quality::Head(recording_).moves;
   }
 
-  // From now on delays and gains of torques, which a diagnosis estimates itself, are neither reported nor
-  // corrected.
+  // Delays and gains of torques, which a diagnosis estimates itself, are neither reported nor corrected after
+  // this call.
   void leave_causes() { leaves_causes_ = true; }
 
   RobotAnswers run(double smallest_error = 0.0) {
@@ -142,7 +142,8 @@ class RobotCheck {
     }
     const auto [determined, all, condition] = fitter_.determined(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
-    // Signals in another unit have other columns: units are tested before the check ends.
+    // Wrong units change the columns and their condition number, so that units are tested before the check is
+    // given up.
     if (determined >= all && find_unit()) return true;
     add("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
@@ -247,8 +248,7 @@ class RobotCheck {
     return fitter.fit(fitter.moments(recording), torques_of(set));
   }
 
-  // Tries one more hypothesis of the list. Transformations that leave the motion unchanged reuse its
-  // regressor.
+  // Tries one more hypothesis of the list. Transformations that leave the motion unchanged reuse its regressor.
   std::vector<Answer> tried(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
     std::vector<Answer> out(questions.size());
     const bool same_arm = !concern_robot(before.set);
@@ -258,7 +258,8 @@ class RobotCheck {
       one.set.push_back(questions[k]);
       one.fit = same_arm && questions[k].maps_torques() ? fitter_.fit(before.fit.moments, torques_of(one.set)) : fit_of(one.set);
       one.fitted_gain = before.fit.fitted_misfit - one.fit.fitted_misfit;
-      // Rows that are left out bias the fit to all rows, if anything is wrong with them.
+      // A hypothesis that excludes rows is compared on the remaining rows, since the excluded ones bias a fit
+      // to all rows.
       if (questions[k].finding == "changed_midway" && one.fit.moments != nullptr && before.fit.values.size() > 0)
         one.fitted_gain = fitter_.misfit_of(before.fit.values, *one.fit.moments, torques_of(one.set)) + one.fit.contradictions - one.fit.fitted_misfit;
       if (!(one.fit.misfit < before.fit.misfit)) one.fit.moments.reset();
@@ -281,8 +282,7 @@ class RobotCheck {
     return all;
   }
 
-  // Beam search: each of the best few sets is extended by every remaining hypothesis that improves the fit
-  // clearly.
+  // Beam search: each of the best few sets is extended by every remaining hypothesis that improves the fit clearly.
   void search() {
     std::vector<Answer> beam = {best_};
     std::optional<std::pair<Answer, const char*>> doubt;  // an uncertain set; a further mistake may still make it certain
@@ -293,11 +293,11 @@ class RobotCheck {
           const RecordingQuestion& q = one.set.back();
           const double needed = q.finding == "current" ? checking::kGainsBetter : checking::kMisfitDecrease;
           one.score = parent.score + one.fit.misfit - parent.fit.misfit + needed + q.price;
-          // The file's values do not hold under another convention, so that they cannot contradict it.
+          // The file's values are those of its own convention, so that they cannot contradict the other one.
           if (q.finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
           one.before = parent.fit.folds;
-          // Rows that no others predict leave a large held-out error without any mistake. The correction of a mistake lowers the
-          // error of a fit to all rows as well.
+          // Rows that differ from all others have a large held-out error without any mistake. The correction of
+          // a mistake, in contrast, also lowers the error of a fit to all rows.
           if (one.score < parent.score && one.fitted_gain > needed) (is_possible(one) ? next : impossible).push_back(std::move(one));
         }
       }
@@ -402,7 +402,7 @@ class RobotCheck {
     return out;
   }
 
-  // Largest torque of a joint in its largest efforts.
+  // Largest torque of a joint relative to its largest effort.
   double share_of_effort(int i, const Recording& recording) const {
     const double effort = given_.coordinates()[static_cast<size_t>(i)].limits.effort;
     return recording.tau.cols() > 0 && effort > 0.0 ? recording.tau.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>() / effort : 0.0;

@@ -25,7 +25,7 @@ bool lasting(const std::string& effect) {
   return find_effect(effect).traits().lasting;
 }
 
-// The arm in amperes: unit gains, known values as unknowns, and a body for the load.
+// The arm with currents as torques: unit gains, its known values as unknowns, and a body for the load.
 Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   ModelDescription d = arm.description();
   for (Coordinate& c : d.coordinates) c.drive_gain = 1.0;
@@ -68,7 +68,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
   for (const int load : load_of) {
     arms_.push_back(arm_with_load(arm, loads[load], load));
     std::vector<StandardParameter> parameters = standard_parameters(arms_.back());
-    // Known values of the file stay known.
+    // Values that the file declares as known stay known.
     const std::vector<StandardParameter> own = standard_parameters(arm);
     for (StandardParameter& p : parameters) {
       const auto same = std::find_if(own.begin(), own.end(),

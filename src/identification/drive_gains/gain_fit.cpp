@@ -43,7 +43,7 @@ GainFit solved(const GainData& data, const std::vector<bool>& loaded,
   for (size_t j = 0; j < equations.size(); ++j) {
     const GainEquation& e = equations[j];
     const double noise = std::max(std::sqrt(e.rho2 / std::max(e.rows, 1.0)), identifying::kLeastNoise * e.z.norm());
-    fit.sigma[static_cast<Eigen::Index>(j)] = noise > 0.0 ? noise : 1.0;  // no current at all
+    fit.sigma[static_cast<Eigen::Index>(j)] = noise > 0.0 ? noise : 1.0;  // one if there is no current
   }
   fit.solution = solve_gains(equations, fit.sigma, start_gains(equations, fit.sigma));
   // Repeats the fit with the noise estimated from its residual.

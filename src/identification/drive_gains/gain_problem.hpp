@@ -20,7 +20,7 @@ struct GainEquation {
 /// Solution p_j = scale * ratio_j, x = y / scale. If no known torque is identifiable, the scale is zero and
 /// all other values remain finite.
 struct GainSolution {
-  VectorXd y;          ///< (unknowns) [A] of the reference joint per unit of an unknown
+  VectorXd y;          ///< (unknowns) current [A] of the reference joint per unit of an unknown
   double scale = 0.0;  ///< p of the reference joint [A/N m]
   VectorXd ratio;      ///< (joints) p over that of the reference joint
   int reference = 0;   ///< joint with the largest known torque relative to its noise

@@ -50,7 +50,6 @@ struct Box {
   VectorXd lower;
   VectorXd upper;
   VectorXd trusted;  ///< a variable without an interval is assumed to lie within 2*|x_j| + trusted_j
-                     ///< Bound of |x_j|
 
   /// Plausible change of variable j: the width of its interval, or less where the data limit it.
   double reach(int j) const;

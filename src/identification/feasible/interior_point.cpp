@@ -59,7 +59,7 @@ class InteriorPoint {
   const int n_;
   const bool R_is_triangle_;
   int patience_ = kPatience;
-  int plain_degree_ = 0;  // of the cones without a log-det term
+  int plain_degree_ = 0;  // total degree of the cones without a log-det term
   MatrixXd hessian_;      // 2*R'*R, lower triangle
   MatrixXd factor_;       // L of the Schur complement L*L', lower triangle
   Point point_;
@@ -173,7 +173,7 @@ bool InteriorPoint::factor() {
       double& diagonal = factor_(j, j);
       diagonal = diagonal > 0.0 ? diagonal * (1.0 + relative) : 1.0;
     }
-    // In place; Eigen::LLT would copy the matrix and compute its norm.
+    // The factorization is in place; Eigen::LLT would copy the matrix and compute its norm.
     if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(factor_) < 0) return true;
   }
   return false;

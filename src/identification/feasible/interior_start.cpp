@@ -15,7 +15,7 @@ namespace {
 constexpr double kRidge = 1e-3;  // ridge of the least squares for the initial x
 constexpr double kUnseen =
     1e-26;  // a column with a squared norm this far below the largest is zero
-constexpr double kSmallestSlack = 0.1;   // relative to the terms of the constraint
+constexpr double kSmallestSlack = 0.1;   // smallest slack, relative to the terms of the constraint
 constexpr double kTypicalRadius = 0.25;  // [m] radius of gyration without other information
 
 // Ridge regression; columns without data stay zero.

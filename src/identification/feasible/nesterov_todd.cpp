@@ -48,7 +48,7 @@ void ScaledBlock::advance_direction(const Matrix4d& moved) {
 
 Matrix10 block_hessian(const Matrix10& map, const Matrix4d& P) {
   static constexpr int kRow[10] = {0, 0, 0, 0, 1,
-                                   1, 1, 2, 2, 3};  // of the upper triangle, row by row
+                                   1, 1, 2, 2, 3};  // entries of the upper triangle, row by row
   static constexpr int kColumn[10] = {0, 1, 2, 3, 1, 2, 3, 2, 3, 3};
   Matrix10
       K;  // K_ij = <E_i, P*E_j*P>, E_i: ones at entry i of the triangle and at its mirror image

@@ -37,7 +37,7 @@ struct ScaledBlock {
   /// Updates the scaling. @returns false if S or Z is not positive definite.
   bool scale();
 
-  /// Sets the direction for dx = 0. @param second_order  corrects the present direction, a predictor.
+  /// Sets the direction for dx = 0. @param second_order  true: with the present one's second-order term.
   void begin_direction(double target, bool second_order);
   /// Adds the part of the direction that is linear in dx. @param moved  A(change of dx).
   void advance_direction(const Matrix4d& moved);

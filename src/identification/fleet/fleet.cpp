@@ -126,7 +126,7 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
 
 std::vector<FleetArm> read_fleet(const std::string& path) {
   std::string content = content_of_file(path, "a list of arms and their files");
-  const std::string byte_order_mark = "\xEF\xBB\xBF";  // as spreadsheets write it
+  const std::string byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets write it at the beginning of a file
   if (content.compare(0, byte_order_mark.size(), byte_order_mark) == 0) content.erase(0, byte_order_mark.size());
   std::istringstream file(content);
   const auto slash = path.find_last_of('/');

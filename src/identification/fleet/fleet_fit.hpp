@@ -26,15 +26,16 @@ struct ArmFactor {
 /// One arm with its data, its factor over columns(), its values and its residuals.
 struct FittedArm {
   ArmFactor data;
-  std::vector<SquareRootInformation> joints = {};  ///< the same rows, each with a column for the gain of its torque
+  std::vector<SquareRootInformation> joints = {};  ///< factors of the same rows, each with a column for the gain of
+                                                   ///< its torque
   SquareRootInformation factor = {};
-  VectorXd values = {};              ///< of all columns; gains as shares
+  VectorXd values = {};              ///< values of all columns; gains as shares
   VectorXd uncertain = {};           ///< standard deviation of each own value for white noise
   VectorXd independent = {};         ///< share of each own column outside the span of the others
   VectorXd residual2 = {}, alone2 = {};  ///< squared residual of each joint, with the fleet's bodies and with its own
-  bool odd = false;                  ///< its bodies differ from those of the fleet
+  bool odd = false;                  ///< true: its bodies differ from those of the fleet
   double excess = 0.0;               ///< distance of its bodies from the fleet's: ln of the ratio by which its own bodies reduce the squares
-  double deviations = 0.0;           ///< its distance from the fleet's median, in robust deviations
+  double deviations = 0.0;           ///< distance of `excess` from the fleet's median, in robust deviations
 };
 
 /// Fits the block-arrow problem of a fleet: alternates between the values that all arms share and each arm's
@@ -61,7 +62,7 @@ class FleetFit {
 
   /// Rows of each joint with a further column for the gain of its torque: the torque for the values `at`.
   std::vector<SquareRootInformation> with_gains(const ArmFactor& arm, const VectorXd& at) const;
-  /// These rows over columns(), with joint weights.
+  /// A factor of these rows over columns(), with joint weights.
   SquareRootInformation of_arm(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const;
   /// Information of this factor about the shared columns, with the arm's own columns eliminated.
   SquareRootInformation shared_information(const SquareRootInformation& factor) const;
@@ -92,9 +93,9 @@ class FleetFit {
   std::vector<StandardParameter> parameters_;
   BaseParameters base_;
   Eigen::Index joints_, own_ = 0, shared_ = 0;
-  std::vector<int> own_parameters_;  // in parameters_
+  std::vector<int> own_parameters_;  // indices in parameters_
   std::vector<std::string> columns_;
-  std::unordered_map<std::string, Eigen::Index> place_;  // in columns_
+  std::unordered_map<std::string, Eigen::Index> place_;  // indices in columns_, by name
   VectorXd beta_;
   double median_excess_ = 0.0;
 };

@@ -4,15 +4,17 @@
 
 namespace veridyn {
 
-/// All numbers that can change the result of `fleet`, each with its inequality, and with its reason where
-/// one is known.
+/// All numbers that can change the result of `fleet`. Each comment gives the condition, then its consequence,
+/// and the reason where one is known.
 struct FleetNumbers {
-  /// arms of a quantity >= fewest, else no arm is compared: of two it is unknown which one is odd.
+  /// number of arms that identify a quantity >= fewest, else none is compared: of two it is unknown which one
+  /// is the outlier.
   int fewest = 3;
   /// |value - median| > noticeable * |median|, else not reported, however narrow the fleet is (an
   /// argument, not measured).
   double noticeable = 0.02;
-  /// rounds of weights, gains and odd arms = rounds; the last one leaves out those found before.
+  /// number of rounds that update weights, gains and outliers = rounds; the last one excludes the outliers
+  /// found before.
   int rounds = 4;
   /// groups of arms for the deviations of the bodies <= groups (not measured).
   int groups = 64;
@@ -25,7 +27,8 @@ struct FleetNumbers {
   int fewest_spreads = 4;
   /// degrees of freedom of that prior <= most_prior: the arms' own spread still counts.
   double most_prior = 8.0;
-  /// fall of the squares by an arm's own bodies > least_excess, else its bodies are those of the fleet.
+  /// decrease of the squared residual by an arm's own bodies > least_excess, else its bodies are those of the
+  /// fleet.
   double least_excess = 0.02;
   /// ridge of an own column = own_ridge * its norm: without data it is zero; of a gain = gain_ridge * its
   /// norm: the mean gain is one, which fixes the common scale of bodies and gains.
@@ -41,7 +44,7 @@ constexpr FleetNumbers numbers;
 /// degrees of freedom = kEfficiency * (arms - 1): efficiency of the median deviation relative to the
 /// standard deviation (Rousseeuw and Croux, JASA 88(424), 1993).
 constexpr double kEfficiency = 0.37;
-/// spread of the falls >= kLeastSpread, so that equal arms divide by no zero.
+/// robust deviation of FittedArm::excess >= kLeastSpread, so that equal arms cause no division by zero.
 constexpr double kLeastSpread = 1e-6;
 /// bisection of the prior's degrees of freedom ends at a width < kWidth.
 constexpr double kWidth = 1e-3;

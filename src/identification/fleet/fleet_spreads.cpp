@@ -25,7 +25,7 @@ std::string gain_name(const Model& arm, int joint) {
 double digamma(double x) { return Eigen::numext::digamma(x); }
 double trigamma(double x) { return Eigen::numext::polygamma(1.0, x); }
 
-// One quantity, on all arms.
+// One quantity with its values on all arms.
 struct Quantity {
   FleetSpread spread;
   JointIndex joint{};
@@ -39,7 +39,7 @@ struct Quantity {
 // alike. Source: Smyth, Statistical Applications in Genetics and Molecular Biology 3(1), 2004 (moderated t).
 struct SpreadPrior {
   double freedom = 0.0;
-  double square = 0.0;        // in squared units of `unit`
+  double square = 0.0;        // squared spread, in squared units of `unit`
   double unlike = kInfinity;  // variance of the logarithms of the squares
   double (*unit)(const Quantity&) = nullptr;
 

@@ -17,9 +17,9 @@ namespace veridyn {
 /// @throws InvalidInput  the bytes end too early.
 class ByteExchange {
  public:
-  /// Writes.
+  /// Constructs a writer.
   ByteExchange() = default;
-  /// Reads from `at` on. @param source  name of the bytes in messages.
+  /// Constructs a reader that begins at `at`. @param source  name of the bytes in messages.
   ByteExchange(std::string_view bytes, std::size_t at, std::string source)
       : reads_(true), given_(bytes), at_(at), source_(std::move(source)) {}
 

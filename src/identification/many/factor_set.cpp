@@ -56,7 +56,7 @@ namespace {
 
 const std::string kMagic = "veridyn factors\n";
 constexpr std::uint64_t kVersion = 1;
-constexpr double kSameArm = 1e-9;  // share of a fingerprint's entry
+constexpr double kSameArm = 1e-9;  // largest difference between fingerprints of one arm, relative to 1 + the entry
 
 // The bodies' regressor at one fixed state, joint by joint, and the known values: these differ between arms
 // with different lengths, axes or direction of gravity.
@@ -87,7 +87,7 @@ VectorXd fingerprint_of(const Model& arm) {
 
 constexpr const char* kDerived = ", velocities from the position at joints";
 
-// Joints from 1, as in messages.
+// Numbers (from 1) of the joints with derived velocities, for messages.
 std::string derived_joints(const PreprocessingOptions& how) {
   if (how.derive_velocity_of.empty()) return "";
   std::string out = kDerived;

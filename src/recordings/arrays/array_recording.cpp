@@ -33,7 +33,7 @@ std::size_t size_of(const NamedArray& a) {
   return a.rows * a.columns;
 }
 
-// The clock of a group: its own, or the clock of the file.
+// The clock of a group: the array of times in the group itself, or else that of the file.
 const NamedArray* clock_for(const ArraySet& set, const std::string& group,
                             const std::string& wanted, TimeColumns* found) {
   for (const std::string& place : {group, std::string()}) {
@@ -80,7 +80,8 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
           ": found no array of times (t, time, timestamp), expected one, or --rate.");
   std::size_t rows = clock != nullptr ? size_of(*clock) : 0;
   for (const NamedArray& a : set.arrays) {
-    // Without a clock, the longer dimension of the positions, or of the arrays in --map, is the time.
+    // Without an array of times, the longer dimension of the positions, or of the arrays in --map, is the time
+    // axis.
     const bool longest = field_of(last_of(a.name) + "/0").signal == 0 || is_mapped(a.name, options.signals);
     if (clock == nullptr && group_of(a.name) == group && longest) rows = std::max({rows, a.rows, a.columns});
   }

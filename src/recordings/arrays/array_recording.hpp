@@ -20,7 +20,7 @@ struct NamedArray {
 /// Contents of an array file.
 struct ArraySet {
   std::vector<NamedArray> arrays;
-  std::vector<std::string> joint_names;  ///< from a text array named joints or joint_names
+  std::vector<std::string> joint_names;  ///< names from a text array `joints` or `joint_names`
 };
 
 /// Assembles a recording from arrays named like the columns of a table (t, q, dq, tau, ...). Rows are
@@ -29,11 +29,11 @@ struct ArraySet {
 RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::string& format,
                              const RecordingOptions& options);
 
-/// NumPy's .npz, stored or deflated. @throws InvalidInput  damaged, or of other types.
+/// Reads NumPy's .npz, stored or deflated. @throws InvalidInput  damaged, or of other types.
 ArraySet read_npz(const ByteStream& opened);
-/// MATLAB's .mat, version 4 to 7.3. @throws InvalidInput  damaged, or built without matio.
+/// Reads MATLAB's .mat, version 4 to 7.3. @throws InvalidInput  damaged, or built without matio.
 ArraySet read_mat(const std::string& path);
-/// HDF5. @throws InvalidInput  damaged, or built without HDF5.
+/// Reads HDF5. @throws InvalidInput  damaged, or built without HDF5.
 ArraySet read_hdf5(const std::string& path);
 
 }  // namespace veridyn::recordings

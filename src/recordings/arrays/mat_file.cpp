@@ -10,7 +10,7 @@
 namespace veridyn::recordings {
 namespace {
 
-constexpr int kDeepest = 4;  // structs within structs
+constexpr int kDeepest = 4;  // largest depth of nested structs
 
 template <typename T>
 void read_numbers(const matvar_t& var, std::vector<double>* out) {

@@ -13,7 +13,7 @@ namespace veridyn::bags {
 /// One publisher of one topic, as declared in a container.
 struct Channel {
   std::string topic;
-  std::string type;        ///< as written: sensor_msgs/JointState or sensor_msgs/msg/JointState
+  std::string type;        ///< type as stored: sensor_msgs/JointState or sensor_msgs/msg/JointState
   std::string encoding;    ///< ros1, cdr, json; others cannot be decoded
   std::string definition;  ///< message definition in the text form of ROS 1 or 2; empty: not stored
   std::string publisher;   ///< name of the sending node; empty: not stored
@@ -25,16 +25,15 @@ struct BagSink {
   std::function<int(const Channel&)> open;
   /// Receives a message and its recording time [ns]. The bytes are valid only during the call.
   std::function<void(int channel, std::int64_t recorded, std::string_view bytes)> message;
-  /// Remarks for the user: a file that ends early, a damaged chunk.
+  /// Remarks for the user, for example on a file that ends early or a damaged chunk.
   std::vector<std::string> remarks;
 };
 
-/// Reads a ROS 1 bag, format 2.0; one without an index (after a crash) up to its last whole
-/// message.
+/// Reads a ROS 1 bag, format 2.0. A bag without an index (after a crash) is read up to its last whole message.
 /// @throws InvalidInput  another format, or encrypted.
 void read_ros1_bag(std::string_view bytes, const std::string& path, BagSink* sink);
 
-/// Reads an MCAP file; without a summary, or truncated, up to the last whole record.
+/// Reads an MCAP file. A file without a summary, or a truncated one, is read up to the last whole record.
 /// @throws InvalidInput  not MCAP.
 void read_mcap(std::string_view bytes, const std::string& path, BagSink* sink);
 
@@ -44,8 +43,8 @@ void read_mcap(std::string_view bytes, const std::string& path, BagSink* sink);
 void read_db3(std::string_view bytes, const std::string& path, bool message_compression,
               BagSink* sink);
 
-/// Reads any of the above, recognised by its first bytes, or a folder: a ROS 2 bag with or without
-/// metadata.yaml, or the pieces of a split ROS 1 bag or MCAP.
+/// Reads any of these, recognised by its first bytes, or a folder: a ROS 2 bag with or without metadata.yaml,
+/// or the pieces of a split ROS 1 bag or MCAP.
 /// @param opened  the file, if it is open already.
 /// @throws InvalidInput  see above, or a folder that holds none of them.
 void read_bag(const std::string& path, BagSink* sink, const ByteStream* opened = nullptr);

@@ -141,7 +141,7 @@ void read_db3(std::string_view bytes, const std::string& path, bool message_comp
       read_messages(joined, path, message_compression, sink);
       return;
     }
-    // A database in memory has no write-ahead log. The flag is cleared; rows that are only in the log are
+    // A database in memory has no write-ahead log, so its flag is cleared; rows that are only in the log are
     // lost.
     plain.assign(bytes);
     plain[18] = plain[19] = 1;

@@ -17,7 +17,7 @@ struct OpenedFile {
   explicit OpenedFile(const std::string& file);
 
   std::string path;
-  std::optional<ByteStream> bytes;  ///< from the first one; nullopt: a folder (a bag)
+  std::optional<ByteStream> bytes;  ///< bytes from the first one; nullopt: a folder (a bag)
   FileKind kind = FileKind::kText;
 };
 

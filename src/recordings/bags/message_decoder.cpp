@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kNanoseconds = 1000000000;
 constexpr std::size_t kStepsPerByte = 4;
 
-// ROS 1: packed, little-endian, strings without terminator.
+// Reads ROS 1 messages: packed, little-endian, strings without terminator.
 class Ros1Source {
  public:
   explicit Ros1Source(std::string_view bytes) : reader_(bytes) {}
@@ -27,8 +27,8 @@ class Ros1Source {
   ByteReader reader_;
 };
 
-// CDR: every number is aligned to its own size, relative to the end of the header; strings end with a zero
-// byte.
+// Reads CDR: every number is aligned to its own size, relative to the end of the header; strings end with a
+// zero byte.
 class CdrSource {
  public:
   explicit CdrSource(std::string_view bytes) : reader_(open(bytes)) {}
@@ -130,7 +130,7 @@ class Decoder {
   Source& source_;
   ValueSink& sink_;
   bool signed_time_;
-  std::size_t steps_;  // remaining steps; the limit ends arrays of empty messages
+  std::size_t steps_;  // remaining steps; their limit ends arrays of empty messages
 };
 
 }  // namespace

@@ -49,7 +49,7 @@ std::optional<Line> parse_line(std::string_view text) {
     if (!sequence) std::from_chars(size.data(), size.data() + size.size(), line.count);
     type = type.substr(0, bracket);
   }
-  line.type = type.substr(0, type.find("<="));  // string<=10
+  line.type = type.substr(0, type.find("<="));  // removes the bound of a string: string<=10
   return line;
 }
 

@@ -24,7 +24,7 @@ struct FieldNode {
 /// Layout of the bytes of one message type.
 struct MessagePlan {
   std::vector<FieldNode> fields;
-  std::vector<std::string> paths;  ///< of the leaves, as "wrench/force/x"
+  std::vector<std::string> paths;  ///< paths of the leaves, such as "wrench/force/x"
 };
 
 /// Builds a plan from a definition (ROS 1 or 2, dependencies after lines of '='), or, if that is empty, from
@@ -33,7 +33,7 @@ struct MessagePlan {
 /// @throws InvalidInput  the type is unknown, refers to unknown types, or contains itself.
 MessagePlan plan_of(const std::string& type, const std::string& definition, bool ros2);
 
-/// "sensor_msgs/JointState" for sensor_msgs/msg/JointState.
+/// Shortens "sensor_msgs/msg/JointState" to "sensor_msgs/JointState".
 std::string short_type(const std::string& type);
 
 }  // namespace veridyn::bags

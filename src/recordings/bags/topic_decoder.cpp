@@ -29,7 +29,7 @@ bool is_json_time(const nlohmann::json& value) {
          value["sec"].is_number_integer();
 }
 
-// Numbers, texts and times of a JSON object by their path.
+// Collects the numbers, texts and times of a JSON object by their paths.
 template <typename Sink, typename LeafOf>
 void flatten(const nlohmann::json& value, const std::string& path, int depth, LeafOf&& leaf_of,
              Sink* sink) {
@@ -92,7 +92,7 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
     useful_ = useful_ || signal;
     leaf_of(path);
   }
-  // Numbers the leaves as the plan does.
+  // Numbers the leaves in the order of plan_.paths.
   if (leaves_.size() != plan_.paths.size()) {
     problem_ = "its definition gives two fields one name";
     return;

@@ -38,7 +38,7 @@ class TopicDecoder : public ValueSink {
   struct Leaf {
     std::string path;
     Role role = Role::kOther;
-    std::vector<double> numbers;  // of the current message
+    std::vector<double> numbers;  // numbers of the current message
   };
 
   int leaf_of(const std::string& path);

@@ -14,7 +14,7 @@ namespace veridyn::recordings {
 struct CsvHeader {
   char separator = ',';
   std::vector<std::string> names;
-  std::vector<std::string> units;  ///< of a second line, or empty
+  std::vector<std::string> units;  ///< units of a second line, or empty
   TimeColumns time;
   int positions = 0;      ///< columns that are positions of joints
   long line = 0;          ///< number of its line in the file
@@ -38,7 +38,7 @@ TopicColumn split_topic(const std::string& name);
 /// A column name of rostopic echo -p without the prefix `field.`.
 std::string plain_name(const std::string& name);
 
-/// A unit of a header without brackets and signs, in the spelling of unit_factor().
+/// A unit of a header without brackets and signs, spelt as unit_factor() expects.
 std::string bare_unit(std::string unit);
 
 /// The column that --map takes as the time; empty: none.

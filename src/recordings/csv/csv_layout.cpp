@@ -25,7 +25,8 @@ int signal_index(const std::string& name) {
   return -1;
 }
 
-// `dq12` is base `dq` and number 12; number is -1 without digits, and signal if the base is none.
+// A column name such as `dq12`: base `dq` and number 12. The number is -1 if there are no digits, and the
+// signal is -1 if the base is no signal.
 struct ColumnName {
   std::string base;
   int signal = -1;
@@ -108,7 +109,7 @@ void count_joints(const std::vector<ColumnName>& columns, const std::string& whe
   }
 }
 
-// The names of all columns from --columns, where "q" stands for q1 .. qn.
+// The names of all columns given by --columns, where "q" stands for q1 .. qn.
 std::vector<std::string> names_of_columns(const std::vector<std::string>& columns, std::size_t fields, const std::string& where) {
   const bool has_time = columns.front() == "t";
   for (auto name = columns.begin() + (has_time ? 1 : 0); name != columns.end(); ++name) {
@@ -130,7 +131,7 @@ std::vector<std::string> names_of_columns(const std::vector<std::string>& column
 }  // namespace
 
 char csv_separator(std::string_view line) {
-  // In a row of numbers separated by semicolons or tabs, a comma is a decimal comma.
+  // If semicolons or tabs separate numbers, a comma is a decimal comma.
   const bool numbers = line.find_first_not_of("+-0123456789.,;eE \t\"naiNfF") == std::string_view::npos;
   char best = ' ';
   std::ptrdiff_t most = 0;
@@ -188,7 +189,7 @@ bool csv_number(std::string field, char separator, double* value) {
   double found = 0.0;
   const auto [rest, error] = std::from_chars(first, last, found);
   if (error == std::errc::invalid_argument || rest != last) return is_missing_value(std::move(field));
-  // Out of range for a double: strtod returns infinity or zero, as intended.
+  // If the number is out of range for a double, strtod returns infinity or zero, as intended.
   *value = error == std::errc::result_out_of_range ? std::strtod(first, nullptr) : found;
   return true;
 }

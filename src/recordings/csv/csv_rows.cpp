@@ -26,7 +26,8 @@ constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 // Parses one line into a row of numbers.
 class RowParser {
  public:
-  /// @param first_date  of the file; set by its first date, to which all times are relative.
+  /// @param first_date  date of the file's first row with one; set by this parser. All times are relative to
+  ///   it.
   RowParser(const CsvLayout& layout, const CsvLines& lines, std::optional<std::int64_t>& first_date)
       : layout_(layout), lines_(lines), first_date_(first_date) {}
 
@@ -93,7 +94,7 @@ class RowParser {
     return unusual_number(column);
   }
 
-  // A field with quotes, a decimal comma, a date, or a word for a missing value.
+  // The number in a field with quotes, a decimal comma, a date, or a word for a missing value.
   double unusual_number(std::size_t column) {
     const char* const first = p_;
     skip_field();
@@ -137,14 +138,15 @@ class RowParser {
   const char* end_ = nullptr;
 };
 
-// rows with equal times and different values >= kMostEqual: the times have lost their digits.
+// rows with equal times and different values >= kMostEqual: the times were rounded too coarsely.
 constexpr long kMostEqual = 200;
-// For a file that ends earlier: > kFewEqual such rows, and more than kDistinct rows for each distinct time.
+// The same for a file that ends earlier: > kFewEqual such rows, and more than kDistinct rows for each distinct
+// time.
 constexpr long kFewEqual = 10, kDistinct = 20;
 // step of a position <= kSteady * the previous step + kSmallStep [rad, m]: the motion continues.
 constexpr double kSteady = 5.0, kSmallStep = 2e-3;
-// A time that, times a power of 1000, goes on within kSoon steps of the times before, after more than kLater steps: the unit
-// of the clock has changed.
+// If a time, multiplied by a power of 1000, continues the previous times within kSoon steps, and these span
+// more than kLater steps, the unit of the clock has changed.
 constexpr double kSoon = 10.0, kLater = 100.0;
 constexpr int kFirstRows = 4096;  // initial capacity of a piece; it doubles, as files may end early
 
@@ -293,7 +295,7 @@ class CsvRows : public RowSource {
     return true;
   }
 
-  // Reads up to the next row with a time of its own.
+  // Reads on until the next row with a time.
   bool read_timed_row(long last) {
     for (; row_number_ < options_.first_row; ++row_number_) {
       if (!skip_line()) return false;
@@ -312,7 +314,7 @@ class CsvRows : public RowSource {
     return true;
   }
 
-  // Called at a row without a time: reads to the next row with one. False if there is none.
+  // Called at a row without a time; reads on until the next row with one. False if there is none.
   bool hold_gaps() {
     const double last_time = time_;
     for (double t = row_[CsvLayout::kTime]; !std::isfinite(t) || t == last_time; t = row_[CsvLayout::kTime]) {
@@ -357,7 +359,8 @@ class CsvRows : public RowSource {
     return true;
   }
 
-  // The time of a row whose clock does not rise: counted, moved on, or the same, as far as that may be.
+  // The time of a row whose clock does not rise: counted by --rate, shifted after a clock was set back, or
+  // unchanged. Throws if none is allowed.
   double risen_time(double t) {
     if (options_.rate > 0.0) {
       count_from_here();
@@ -412,7 +415,7 @@ class CsvRows : public RowSource {
     moved_on_ += time_ + step_ - found;
   }
 
-  // Recognises that the unit of the clock changes while the arm moves on.
+  // Rescales the times if the unit of the clock changes while the motion continues.
   void follow_unit(double t) {
     const auto goes_on = [this](double next) { return next > time_ && next < time_ + kSoon * step_; };
     if (!(time_ - first_time_ > kLater * step_) || goes_on(rescaled_ * t + moved_on_) || !motion_continues()) return;
@@ -432,20 +435,20 @@ class CsvRows : public RowSource {
   std::string header_;              // line with the names of the columns, or empty
   std::string first_line_;          // first row of numbers, if it was read in advance
   std::vector<double> row_;         // current row; row_[0] is t
-  std::vector<UnitScale> scales_;   // to SI for each slot; empty: nothing changes
+  std::vector<UnitScale> scales_;   // scale to SI for each slot; empty: nothing changes
   long row_number_ = 0;             // number of the next row in the file, from 0
   long gaps_left_ = 0;              // rows without a time that are still to be returned before held_row_
   std::vector<double> held_row_;
   std::vector<double> before_, second_before_;  // the last two rows with a time
   long timed_ = 0, repeated_ = 0;      // rows with a time; those that were dropped because they repeat the row before
-  long equal_ = 0, equal_run_ = 0;     // rows with the time of the previous row and other values; length of their last run
-  double time_ = kGap, step_ = 0.0;    // of the last row with a time
+  long equal_ = 0, equal_run_ = 0;     // rows with the time of the previous row: all, and in the last run
+  double time_ = kGap, step_ = 0.0;    // [s] time of the last row with one, and the step to it
   double first_time_ = kGap;
   double moved_on_ = 0.0;              // [s] added to times after a clock was set back
   double rescaled_ = 1.0;              // factor of the times after their unit has changed
-  std::optional<long> counted_from_;   // the first row whose time is counted, as for --rate
+  std::optional<long> counted_from_;   // number of the first row whose time is counted by --rate
   double counted_time_ = 0.0;          // [s] time of the row before it
-  std::optional<std::int64_t> first_date_;  // [ns]
+  std::optional<std::int64_t> first_date_;  // [ns] date of the first row that has one
   std::vector<std::string> remarks_;
 };
 

@@ -21,7 +21,7 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kDistinct = 20;  // rows for each distinct time, above which the times have lost their digits
+constexpr std::size_t kDistinct = 20;  // rows per distinct time, above which the times were rounded too coarsely
 
 // Destination of a column: its stream and its field there, and its factor to SI; stream -1: the column is dropped.
 struct Place {
@@ -30,11 +30,11 @@ struct Place {
   double factor = 1.0;
 };
 
-// The clock of a row, as long as its unit is unknown.
+// The time of a row as written, as long as the unit of the clock is unknown.
 struct RowTime {
   std::string time;
   std::int64_t fraction = 0;  // [ns]
-  long number = 0;            // of the row, from 0
+  long number = 0;            // number of the row from 0
 };
 
 class Table {
@@ -128,7 +128,7 @@ class Table {
     names_column_.clear();
   }
 
-  // The number in a field; text is a gap where it belongs to no joint.
+  // The number in a field; a text counts as a gap if the column belongs to no joint.
   double number_in(const std::vector<std::string>& fields, std::size_t column) const {
     double value = kGap;
     const bool known = csv_number(fields[column], header_.separator, &value);
@@ -190,7 +190,7 @@ class Table {
     return time_unit(options_.signals, named, first, whole, &raw_.remarks);
   }
 
-  // True if the rows have to be counted, because there is no clock, or times do not grow.
+  // True if the rows have to be counted, because there is no clock, or its times do not increase.
   bool counts_rows() {
     if (!header_.time.recorded) return true;
     std::size_t standing = 0;
@@ -229,10 +229,10 @@ class Table {
   const RecordingOptions& options_;
   CsvHeader header_;
   RawRecording raw_;
-  std::vector<Place> places_;                // of every column
+  std::vector<Place> places_;                // destination of every column
   std::map<int, std::size_t> names_column_;  // column with the name of the joint of each number
   std::vector<RowTime> rows_;
-  std::vector<std::vector<double>> values_;  // of the present row, stream by stream
+  std::vector<std::vector<double>> values_;  // values of the present row, stream by stream
   long skipped_ = 0;
 };
 

@@ -17,7 +17,7 @@ class RowSource {
   virtual RecordingFacts facts() const = 0;
 };
 
-/// Whether times that fall are an error of the file, or a clock that was set back during the recording.
+/// Meaning of decreasing times: an error of the file, or a clock that was set back during the recording.
 enum class RowClock { kRises, kMayBeSetBack };
 
 /// Rows of a CSV file with columns t, q1..qn, one after the other.

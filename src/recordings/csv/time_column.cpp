@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1000000000;
 
-// [ns] the unit that a word names, or 0.
+// The unit that a word names, in nanoseconds, or 0.
 std::int64_t unit_in_nanoseconds(const std::string& word) {
   static const std::map<std::string, std::int64_t> kUnits = {
       {"ns", 1}, {"nsec", 1}, {"nsecs", 1}, {"nanoseconds", 1},
@@ -35,7 +35,7 @@ bool is_time_word(const std::string& word) {
   return kWords.count(word) > 0;
 }
 
-// Score of a column name as the name of a clock; 0: it is none.
+// Score that rates a column name as the name of a clock; 0: it is none.
 int time_name_score(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   const bool only_unit = words.size() == 1 && unit_in_nanoseconds(words[0]) != 0;
@@ -50,7 +50,7 @@ std::int64_t likely_unit(const std::vector<double>& first_times, bool whole_numb
   if (first > 1e11) return 1000000;
   if (first > 1e8 || !whole_numbers) return kSecond;
   const double step = median_step(first_times);
-  if (step >= 1e5) return 1;  // steps of 10 kHz and slower in ns
+  if (step >= 1e5) return 1;  // rates of 10 kHz and less, for steps in nanoseconds
   if (step >= 100.0) return 1000;
   return step >= 1.0 ? 1000000 : kSecond;
 }
@@ -74,7 +74,7 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
       continue;
     }
     if (words.empty()) continue;
-    // A stamp in two columns: sec and nsec after the same words.
+    // A time in two columns, "sec" and "nsec", after the same other words.
     const std::string& last = words.back();
     const bool of_stamp = words.size() > 1 && is_time_word(words[words.size() - 2]);
     if (of_stamp && (last == "sec" || last == "secs")) seconds = column;
@@ -112,7 +112,7 @@ std::int64_t time_unit(const SignalChoice& choice, std::int64_t named, const std
 std::optional<std::int64_t> date_nanoseconds(std::string_view text) {
   const char* p = text.data();
   const char* const end = p + text.size();
-  // A number with some digits, followed by one of `signs`.
+  // Parses a number of `digits` digits that is followed by one of `signs`.
   const auto part = [&](int digits, const char* signs, std::int64_t* value) {
     const auto [rest, error] = std::from_chars(p, end, *value);
     if (error != std::errc() || rest - p != digits || *p == '-') return false;

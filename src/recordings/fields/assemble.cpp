@@ -19,11 +19,11 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-// [ns] larger times count from 1970.
+// [ns] Larger times are counted from 1970.
 constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
-// Median steps: other streams are interpolated only across shorter steps.
+// Other streams are interpolated only across steps shorter than this number of median steps.
 constexpr double kLongStep = 2.5;
-// Median steps of the base: a stream with longer steps is reported.
+// A stream is reported if its median step exceeds that of the base by this factor.
 constexpr double kSlower = 1.5;
 
 // The stream with the most columns; among equals the longest.
@@ -114,7 +114,8 @@ class Assembler {
     const StreamClock& own = clock_of_stream(base);
     if (place.stream == base) return VectorXd::NullaryExpr(own.rows.size(), [&](Eigen::Index k) { return stream.at(own.rows[k], field); });
     others_.insert(place.stream);
-    // Recording times lag behind the stamps by the usual delay of the base.
+    // If only one of the two streams has stamps, its times are shifted by the usual delay between stamp and
+    // recording.
     const StreamClock& other = clock_of_stream(place.stream);
     const bool own_stamps = own.recorded_after != 0;
     const bool other_stamps = other.recorded_after != 0;
@@ -124,7 +125,7 @@ class Assembler {
     return interpolated(stream, field, other, shift, own.time);
   }
 
-  // (rows x joints), or empty if the file lacks the signal.
+  // The columns of a signal (rows x joints), or empty if the file lacks it.
   MatrixXd values_of(int signal, int base, RecordingFacts* facts) {
     const std::string name = kRecordingSignals[signal].name;
     MatrixXd values;
@@ -191,7 +192,7 @@ class Assembler {
     return t;
   }
 
-  // Remarks on a stream of a lower rate, which has no higher frequencies, whatever the rate of the rows.
+  // Remarks on a stream of a lower rate: interpolation to the rows adds no higher frequencies.
   void remark_on_slower_stream(int stream, int base, std::vector<std::string>* remarks) {
     const double step = 1e-9 * static_cast<double>(median_step(clock_of_stream(stream).time));
     const double own = 1e-9 * static_cast<double>(median_step(clock_of_stream(base).time));

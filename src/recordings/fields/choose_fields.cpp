@@ -24,8 +24,7 @@ bool contains(const List& list, const Value& value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-// Joints of a topic that have a position, in the order of first appearance; numbers as names are sorted by
-// value.
+// Joints of a topic that have a position, in the order of first appearance; numbers as names are sorted by value.
 std::vector<std::string> joints_with_position(const RawRecording& raw, const std::string& topic) {
   std::vector<std::string> joints;
   for (const RawStream& stream : raw.streams) {
@@ -72,7 +71,7 @@ void require_topics(const RawRecording& raw, const std::string& path, const Sign
   }
 }
 
-// Rank of a topic: measured ones first, then unnamed, then commanded ones.
+// Rank of a topic by its name: measured topics come first, then other names, then commanded ones.
 int rank_of(const std::string& topic) {
   static const std::set<std::string> kCommanded = {"setpoint", "desired", "goal",     "command",
                                                    "target",   "servo",   "commands", "reference",
@@ -130,7 +129,7 @@ bool is_better(const Candidate& a, const Candidate& b) {
   return a.efforts && !b.efforts;
 }
 
-// The joints of a file without positions, for messages.
+// Lists the joints of a file without positions, for messages.
 std::string found_joints_text(const RawRecording& raw) {
   std::vector<std::string> words;
   for (const RawTopic& topic : raw.topics)
@@ -173,7 +172,7 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
   return first;
 }
 
-// The signal that the name of a topic of plain numbers means, or -1.
+// The signal that the name of a topic of plain numbers stands for, or -1.
 int effort_signal_of(const std::string& topic) {
   static const std::map<std::string, int> kWords = {{"effort", kTau},  {"efforts", kTau},     {"torque", kTau},
                                                     {"torques", kTau}, {"current", kCurrent}, {"currents", kCurrent}};
@@ -185,7 +184,8 @@ int effort_signal_of(const std::string& topic) {
   return signal;
 }
 
-// Adds the efforts of a separate topic: of the same joints, or with as many numbers as joints and a matching name.
+// Adds the efforts of a separate topic, which has the same joints, or as many numbers as joints and a matching
+// name.
 void add_separate_efforts(const RawRecording& raw, const std::string& taken, ChosenFields* chosen) {
   const auto has = [&](int signal) { return [signal](const auto& places) { return places[signal].has_value(); }; };
   auto& places = chosen->places;
@@ -258,7 +258,7 @@ ChosenFields fields_of_best_topic(const RawRecording& raw, const std::string& pa
   ChosenFields chosen;
   const Candidate c = best_candidate(raw, path, choice, map.renamed, &chosen.remarks);
   require_all_joints(c, path, choice, map);
-  // Further chosen topics provide the signals that the first one lacks.
+  // Other topics that the user chose provide the signals that the first one lacks.
   std::vector<std::string> topics = {c.topic};
   topics.insert(topics.end(), choice.topics.begin(), choice.topics.end());
   chosen.places.resize(c.match.size());

@@ -22,7 +22,7 @@ constexpr int kSignalCount = 5;  ///< equals the size of kRecordingSignals
 struct ChosenFields {
   std::vector<std::string> joints;    ///< names in the arm, or in the file if no arm is given
   std::vector<std::string> recorded;  ///< name of every joint in the file
-  std::vector<std::array<std::optional<FieldPlace>, kSignalCount>> places;  ///< of every joint
+  std::vector<std::array<std::optional<FieldPlace>, kSignalCount>> places;  ///< columns of every joint
   std::vector<std::string> remarks;
 };
 

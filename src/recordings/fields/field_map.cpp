@@ -23,7 +23,7 @@ std::string normalized_name(const std::string& name) {
   return out;
 }
 
-// All names by which --map may call a column: with and without its topic and `data/`.
+// All names that --map accepts for a column: with and without its topic and `data/`.
 std::vector<std::string> names_of(const RawStream& stream, const RawField& field) {
   std::vector<std::string> names = {normalized_name(field.path)};
   if (stream.topic.empty()) return names;
@@ -67,10 +67,10 @@ std::map<long, FieldPlace> columns(const RawRecording& raw, const std::string& s
 
 struct Key {
   int signal = -1;
-  std::size_t joint = 0;  // from 1; 0: all
+  std::size_t joint = 0;  // number of the joint from 1; 0: all
 };
 
-// The signal that a key such as `tau1` or `tau` means.
+// The signal and joint of a key such as `tau1` or `tau`.
 std::optional<Key> key_of(const std::string& text) {
   const std::size_t digits = text.find_last_not_of("0123456789") + 1;
   const std::string number = text.substr(digits);
@@ -94,7 +94,7 @@ std::optional<Key> key_of(const std::string& text) {
                           "; it has ", first_listed(names), "."));
 }
 
-// Resolves a source of one joint's signal.
+// Finds the column that a source names for one joint's signal.
 void map_one(const RawRecording& raw, const std::string& path, const Key& signal, const std::string& key, const std::string& source, FieldMap* map) {
   const FieldMap::Signal at{signal.signal, signal.joint - 1};
   const std::optional<FieldPlace> place = column(raw, source);
@@ -108,7 +108,7 @@ void map_one(const RawRecording& raw, const std::string& path, const Key& signal
   }
 }
 
-// Resolves a source of all joints' signals, which may be the single column of a single joint.
+// Finds the columns that a source names for all joints' signals; a single joint may have a single column.
 void map_all(const RawRecording& raw, const std::string& path, std::size_t wanted, const Key& signal, const std::string& key, const std::string& source,
              FieldMap* map) {
   const std::map<long, FieldPlace> found = columns(raw, source);

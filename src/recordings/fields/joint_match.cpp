@@ -41,7 +41,7 @@ std::optional<long> last_number(const std::string& name) {
   return std::stol(last);
 }
 
-// Indices of the names 1..n, or 0..n-1, one for each joint; empty if the names are others.
+// Indices of the names 1..n, or 0..n-1, one for each joint; empty if the names are not these numbers.
 std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& recorded) {
   std::vector<std::pair<long, int>> numbers;
   for (std::size_t k = 0; k < recorded.size(); ++k) {
@@ -100,7 +100,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             wanted[j], ", expected --map ", wanted[j], "=NAME.");
     if (!candidates.empty()) take(j, candidates.front());
   }
-  bool none = true;  // no match except those given by the user
+  bool none = true;  // true: no name matches, except those given by the user
   for (std::size_t j = 0; j < wanted.size(); ++j)
     none = none && (out[j] < 0 || renamed.count(wanted[j]) > 0);
   if (none || numbers) {

@@ -14,10 +14,10 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kMostStamps = 0.9;  // share of rows that must have an increasing stamp
-constexpr std::int64_t kRestart = 20;  // in median steps; a clock that falls by more was restarted
+constexpr std::int64_t kRestart = 20;  // a clock that falls by more median steps was restarted
 constexpr double kFewBack = 0.01;    // share of rows out of order that are sorted without a remark
 
-// Compares bytes, so that a repeated 'nan' counts as equal.
+// Compares bytes, so that two NaN are equal.
 bool same_values(const RawStream& stream, std::size_t a, std::size_t b) {
   const std::size_t width = stream.fields.size();
   return width == 0 || std::memcmp(&stream.values[a * width], &stream.values[b * width],

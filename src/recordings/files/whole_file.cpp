@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kLargestRead = std::size_t{256} << 20;
 
-// As many bytes as there are, at most `size`; errno is zero unless the file cannot be read.
+// Reads as many bytes as there are, at most `size`; errno is zero unless the file cannot be read.
 std::size_t read_into(char* data, std::size_t size, int file) {
   std::size_t done = 0;
   errno = 0;
@@ -30,7 +30,7 @@ std::size_t read_into(char* data, std::size_t size, int file) {
   return done;
 }
 
-// A descriptor, closed at the end if it was opened here.
+// A file descriptor that is closed at the end if it was opened here.
 class Descriptor {
  public:
   Descriptor(const std::string& path, const ByteStream* opened)

@@ -19,21 +19,20 @@ constexpr int kFirstRows = 8192;
 constexpr int kFewestRows = 50;
 /// previous rows that stay in memory = kContext.
 constexpr int kContext = 8;
-/// dropout <= kLongestDropout [s], at least kFewRows and at most kManyRows rows; longer ones are not
-/// repaired.
+/// A dropout of at most kLongestDropout [s], and of kFewRows to kManyRows rows, is repaired; longer ones are not.
 constexpr double kLongestDropout = 1.0;
 constexpr int kFewRows = 8, kManyRows = 4096;
 /// step < kWithin * mean step in a share of the steps >= kBurstShare: rows come in bursts of two and more.
 /// Clocks of 120 to 160 Hz have no such steps, and late publishers repeat rows without them.
 constexpr double kWithin = 0.25, kBurstShare = 0.48;
-/// time between bursts > kHole * the usual time: rows are missing before this burst.
+/// time between bursts > kHole * the usual time: rows are missing before the burst.
 constexpr double kHole = 2.5;
-/// |jump - turn| < kOfTurn turns more than the motion explains: the angle is wrapped.
+/// |jump - turn| < kOfTurn * turn + kAround * the previous step: the angle is wrapped.
 constexpr double kOfTurn = 0.05;
 /// positions farther than kBeyond * range outside of the limits are impossible.
 constexpr double kBeyond = 0.05;
-/// step > each of: smallest jump, kNoise * usual second difference, kOfRange * range, kAround * neighbouring
-/// steps: a jump. These are the numbers of the check of jumps (QualityNumbers).
+/// step > the largest of kSmallestJump, kNoise * usual second difference and kOfRange * range, plus kAround *
+/// the neighbouring steps: a jump. The check of jumps has the same numbers (QualityNumbers).
 constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 4.0;
 /// torque outside of its usual range by > kSpike of that range, in a single row: a spike.
 constexpr double kSpike = 0.5;
@@ -135,10 +134,10 @@ class MendedRows : public RowSource {
     double lowest = -HUGE_VAL, highest = HUGE_VAL;  // usual range of the torque, spikes excluded
     long spikes = 0;
     double q = kGap, dq = kGap;  // last position and velocity, as in the file
-    double speed = 0.0;          // this velocity, or the one that it has dropped from in one row
-    double drop = HUGE_VAL;      // largest usual change of the velocity, several times
-    int held = 0;                // rows since they changed, in which the torques did
-    long frozen = 0;             // rows that are gaps for that reason
+    double speed = 0.0;          // |dq| of that row, or of the row before if dq dropped more than `drop`
+    double drop = HUGE_VAL;      // largest usual change of the velocity from row to row, times kNoise
+    int held = 0;                // rows with this same q and dq in which the torques changed
+    long frozen = 0;             // rows that became gaps because the encoder had stopped answering
   };
 
   bool read_on() {
@@ -266,8 +265,10 @@ class MendedRows : public RowSource {
     }
   }
 
-  // An encoder that stops answering: position and velocity of a joint stay the same to the last digit, although this velocity,
-  // or the one before, from which it drops as no joint brakes, moves it farther than the steps that motion explains, and torques go on.
+  // Makes gaps of rows in which an encoder stopped answering: position and velocity of a joint repeat to the
+  // last digit while torques change, and the last velocity would have moved the joint farther than the steps
+  // that motion explains. If that velocity had just dropped faster than the joint brakes, the one before
+  // counts.
   void find_frozen(int from) {
     const MatrixXd& torque = held_.tau.cols() > 0 ? held_.tau : held_.current;
     for (std::size_t j = 0; j < joints_.size() && held_.dq.cols() > 0 && torque.cols() > 0; ++j) {
@@ -294,8 +295,7 @@ class MendedRows : public RowSource {
     }
   }
 
-  // Adds whole turns after an angle has wrapped, that is, if the rest of the jump agrees with the previous step
-  // and the velocity.
+  // Adds whole turns after an angle has wrapped: the rest of the jump is as small as the previous step allows.
   void unwrap(int from) {
     const int n = held_.rows();
     for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -318,7 +318,7 @@ class MendedRows : public RowSource {
     unwrapped_ = n;
   }
 
-  // Shifts wrapped angles by whole turns into the joint's limits: they may have been counted from another turn.
+  // Shifts wrapped angles by whole turns into the joint's limits, since an encoder may count from another turn.
   void start_within_limits() {
     const bool wrapped = std::any_of(joints_.begin(), joints_.end(), [](const Joint& joint) { return joint.wraps > 0; });
     for (std::size_t j = 0; j < joints_.size() && j < choice_.joints.size(); ++j) {
@@ -375,8 +375,8 @@ class MendedRows : public RowSource {
     }
   }
 
-  // The first row after `away` that continues the last valid row, when every joint that had jumped has jumped back; -1 if there is
-  // none. Lost rows make joints jump on.
+  // The first row after `away` that continues the motion of row `last`, after every joint that had jumped has
+  // jumped back; -1 if there is none. After lost rows, joints do not jump back.
   int row_of_return(int last, int away) const {
     const int end = std::min(held_.rows(), away + ahead_);
     std::vector<int> gone;
@@ -471,7 +471,7 @@ class MendedRows : public RowSource {
   int unwrapped_ = 0, timed_ = 0, sound_ = 0;  // number of held rows that each step has processed
   int ahead_ = kFewRows;
   bool ended_ = false, begun_ = false, bursts_ = false, few_ = false;
-  double step_ = 0.0;         // [s] mean
+  double step_ = 0.0;         // [s] mean time step
   double burst_step_ = 0.0;   // [s] usual time between bursts
   double burst_before_ = kGap;
   long in_bursts_ = 0, equal_ = 0, repeated_ = 0, dropouts_ = 0, dropped_ = 0, zeros_ = 0, foreign_ = 0;

@@ -11,7 +11,7 @@ namespace veridyn::recordings {
 /// with the number of rows or of turns:
 ///
 ///   equal times  rows with the time of the previous row and other values: spread up to the next time
-///   bursts       rows that arrived together and have the time of arrival: spread evenly since the previous burst
+///   bursts       rows that arrived together: spread evenly since the previous burst
 ///   wraps        angles that jump by a whole turn: whole turns are added
 ///   dropouts     positions that jump away and return within a second, torques and velocities that are exactly
 ///                zero meanwhile, rows of another publisher: positions are interpolated if velocities are

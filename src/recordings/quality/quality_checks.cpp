@@ -9,7 +9,7 @@
 namespace veridyn::quality {
 namespace {
 
-// Exact equality, with two gaps counting as equal.
+// True if two numbers are exactly equal or both missing.
 bool same(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }

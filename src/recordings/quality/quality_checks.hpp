@@ -45,7 +45,7 @@ inline bool is_load(const RecordingSignal& signal) {
 /// One signal of one joint.
 struct Channel {
   const RecordingSignal* signal;
-  int joint;  ///< from 0
+  int joint;  ///< joint index from 0
 
   auto of(const Recording& rows) const { return (rows.*signal->values).col(joint); }
   bool is(MatrixXd Recording::*values) const { return signal->values == values; }
@@ -73,14 +73,14 @@ struct Head {
   std::vector<Channel> moving_loads() const;
 
   const Recording& rows;
-  double step = 0.0;        // [s] median
+  double step = 0.0;        // [s] median time step
   double shortest = 0.0;    // [s] 1 % quantile of the steps
   double longest = 0.0;     // [s] 99 % quantile of the steps
-  std::vector<bool> moves;  // per joint
-  std::vector<bool> stale;  // per row: equal to the row before while the arm moves
+  std::vector<bool> moves;  // true for the joints that move
+  std::vector<bool> stale;  // true for rows that equal the row before while the arm moves
 };
 
-/// Number of rows in QualityNumbers::window.
+/// Number of rows in a window of QualityNumbers::window [s].
 int window_rows(const Head& head);
 
 /// A number as text: four significant digits; shares as "12 %"; counts as "1 row", "2 rows".
@@ -90,13 +90,13 @@ std::string counted(long count, const std::string& noun);
 
 using Column = Eigen::Ref<const VectorXd>;
 
-/// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
+/// The value below which the given share (0 to 1) of the finite values lies; NaN if there are none.
 double quantile(std::vector<double> values, double share);
 /// True if quantile(values, share) > bound; it does not sort the values.
 bool quantile_exceeds(const std::vector<double>& values, double share, double bound);
-/// The difference of two quantiles, of which the upper one is `high`.
+/// The distance between two quantiles.
 double between_quantiles(std::vector<double> values, double low, double high);
-/// Range of a column without single wrong values: between its quantiles `ends` and 1 - `ends`.
+/// Range of a column between its quantiles `ends` and 1 - `ends`, so that single wrong values do not count.
 double range_of(const Column& values);
 /// Sizes of a column's changes from row to row, zeros excluded; and its smallest usual change, 0 if nothing
 /// changes.
@@ -108,8 +108,8 @@ double share_of(long count, long rows);
 bool is_stale(const Recording& rows, int k);
 /// True if a velocity of row k is not zero; without velocities, if a position has changed within 6 rows.
 bool is_moving(const Recording& rows, int k);
-/// > 0 if a position changes in one direction from row to row: the mean product of successive steps. The noise of a resting
-/// joint changes its sign.
+/// Mean product of a position's successive steps: > 0 if it moves in one direction from row to row, whereas the
+/// noise of a resting joint alternates in sign.
 double onward_motion(const Column& q);
 
 /// Processes every row of a recording and then reports.
@@ -120,13 +120,13 @@ class Tally {
   virtual void conclude(Findings* findings) const = 0;
 };
 
-/// Steps of time: rate, second rates, holes.
+/// Finds irregular time steps, other rates and missing rows.
 std::unique_ptr<Tally> time_tally(const Head& head);
-/// Stale rows, gaps, constant signals, positions in degrees.
+/// Finds stale rows, gaps, constant signals, and positions in degrees.
 std::unique_ptr<Tally> row_tally(const Head& head);
-/// Position steps that the neighbouring motion cannot explain.
+/// Finds position steps that the neighbouring motion cannot explain.
 std::unique_ptr<Tally> jump_tally(const Head& head);
-/// Torque or current at its extreme value in successive rows.
+/// Finds torques or currents that stay at their extreme value.
 std::unique_ptr<Tally> clip_tally(const Head& head);
 
 void check_motion(const Head& head, Findings* findings);
@@ -135,7 +135,7 @@ void check_velocities(const Head& head, Findings* findings);
 std::optional<double> velocity_delay(const Head& head, int joint);
 void check_stale_signals(const Head& head, Findings* findings);
 void check_saturated_plateaus(const Head& head, Findings* findings);
-/// Torques and currents whose changes are all larger than a share of their range.
+/// Reports torques and currents whose changes are all larger than a share of their range.
 void check_torque_steps(const Head& head, Findings* findings);
 void check_start_up(const Head& head, Findings* findings);
 

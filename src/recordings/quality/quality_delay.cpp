@@ -1,4 +1,4 @@
-// Delay of recorded velocities.
+// Estimates the delay of recorded velocities.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,7 +13,7 @@ namespace {
 // Derivative of q, and dq, both averaged symmetrically over 8 rows, which adds no delay. Both are NaN near a
 // missing or wrong row.
 struct Velocities {
-  double step = 0.0;  // [s] mean
+  double step = 0.0;  // [s] mean time step
   VectorXd from_q;
   VectorXd recorded;
 };
@@ -69,17 +69,17 @@ std::optional<int> whole_delay(const Velocities& v) {
 
 }  // namespace
 
-// Delay of dq behind the derivative v of q [s], if significant. The part beyond whole rows follows from
+// Delay of dq behind the derivative v of q [s], if significant. Its fraction of a row follows from
 //   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt
-// by least squares, twice, the second time without outliers.
+// by least squares, repeated without outliers.
 std::optional<double> velocity_delay(const Head& head, int joint) {
-  constexpr int kReach = 2;  // rows to either side of a derivative
+  constexpr int kReach = 2;  // number of rows on either side that a derivative uses
   const Velocities v = smoothed_velocities(head, joint);
   const std::optional<int> whole = whole_delay(v);
   if (!whole) return std::nullopt;
   const int margin = numbers.longest_lag + kReach;
   const int rows = static_cast<int>(v.from_q.size()) - 2 * margin;
-  Eigen::MatrixX2d A(rows, 2);  // v, -dv/dt
+  Eigen::MatrixX2d A(rows, 2);  // columns v, -dv/dt
   A.col(0) = v.from_q.segment(margin, rows);
   A.col(1) =
       (v.from_q.segment(margin - kReach, rows) - v.from_q.segment(margin + kReach, rows)) /
@@ -92,7 +92,7 @@ std::optional<double> velocity_delay(const Head& head, int joint) {
     weights[k] = recorded[k] = 0.0;
   }
   const VectorXd known = weights;
-  Eigen::Vector2d fit;  // f, f * delay
+  Eigen::Vector2d fit;  // solution f, f * delay
   for (int pass = 0; pass < 2; ++pass) {
     const Eigen::Matrix2d square = A.transpose() * weights.asDiagonal() * A;
     if (!(square.determinant() > kSingular * square(0, 0) * square(1, 1))) return std::nullopt;

@@ -1,4 +1,4 @@
-// Position steps that the neighbouring motion cannot explain.
+// Finds position steps that the neighbouring motion cannot explain.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ class JumpTally : public Tally {
   explicit JumpTally(const Head& head) : step_(head.step), joints_(static_cast<std::size_t>(head.rows.joints())) {
     for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
       const auto q = head.rows.q.col(static_cast<int>(joint));
-      std::vector<double> change;  // of the step from one row to the next
+      std::vector<double> change;  // second differences of the position
       for (int k = 2; k < q.size(); ++k) change.push_back(std::abs(q[k] - 2.0 * q[k - 1] + q[k - 2]));
       const double noise = change.empty() ? 0.0 : quantile(std::move(change), 1.0 - numbers.ends);
       joints_[joint].tolerance = std::max({numbers.smallest_jump, numbers.jump_noise * noise, numbers.jump_range * range_of(q)});
@@ -59,7 +59,7 @@ class JumpTally : public Tally {
  private:
   struct Joint {
     double tolerance = 0.0;
-    long count = 0, onward = 0;  // jumps; those in the direction of the step before
+    long count = 0, onward = 0;  // number of jumps; number of those in the direction of the step before
     double largest = 0.0, largest_at = 0.0;
 
     void add(double jump, double step_before, double time) {

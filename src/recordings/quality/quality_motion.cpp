@@ -11,8 +11,8 @@
 namespace veridyn::quality {
 namespace {
 
-// Usual size of the change over 20 ms in consecutive windows of 0.1 s: single wrong values do not count, nor do rows in which the
-// joint, and with it the sign of its friction, turns round.
+// Usual size of a load's change over 20 ms in consecutive windows of 0.1 s. Single wrong values do not count,
+// nor do rows in which the joint reverses, since its friction then changes its sign.
 std::vector<double> ringing(const Head& head, const Channel& load) {
   const auto values = load.of(head.rows);
   const auto q = head.rows.q.col(load.joint);
@@ -89,7 +89,7 @@ void check_common_motion(const Head& head, Findings* findings) {
   }
 }
 
-// True if a signal without negative values has positive ones.
+// True if a signal has positive values and no negative ones.
 bool has_no_sign(const Column& values) {
   const std::vector<double> all(values.begin(), values.end());
   return quantile(all, 0.0) >= 0.0 && quantile(all, 1.0) > 0.0;

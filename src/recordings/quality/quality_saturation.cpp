@@ -1,5 +1,5 @@
-// Torques and currents at their limit: exactly (clipped numbers), or within noise (clipped
-// amplifier); and in coarse steps.
+// Finds torques and currents that stay at their limit, exactly (clipped numbers) or within noise (clipped
+// amplifier), and those that are quantised coarsely.
 #include <algorithm>
 #include <cmath>
 
@@ -53,9 +53,9 @@ class ClipTally : public Tally {
  private:
   struct Extreme {
     Channel channel;
-    double sign = 1.0;  // +1: largest, -1: smallest value
+    double sign = 1.0;  // +1 for the largest, -1 for the smallest value
     double tolerance = 0.0;
-    double limit = -std::numeric_limits<double>::infinity();  // sign * value
+    double limit = -std::numeric_limits<double>::infinity();  // extreme of sign * value
     long run = 0;
     double entry = 0.0;   // size of the step into the run
     bool abrupt = false;  // a run of at least three rows was entered and left abruptly
@@ -65,7 +65,8 @@ class ClipTally : public Tally {
     std::vector<SaturatedInterval> stretches = {};
 
     void add(double value, double before, double time) {
-      const double two_steps = (1.0 + 1.0 / numbers.step_share) * tolerance;  // from the limit to the end of the next value
+      const double two_steps = (1.0 + 1.0 / numbers.step_share) * tolerance;  // from the limit to the end of the
+                                                                              // next value
       if (value > limit + tolerance) {
         const long rows_below = value < limit + two_steps ? rows : 0;
         *this = {channel, sign, tolerance, value};
@@ -95,8 +96,8 @@ class ClipTally : public Tally {
     }
   };
 
-  // True if a run at the extreme is too long for the top of a wave: a parabola stays in its highest step at
-  // most sqrt(2) + 1 times as long as in the next.
+  // True if a run at the extreme is longer than the crest of a wave could be: a parabola stays in its highest
+  // step at most sqrt(2) + 1 times as long as in the next.
   static bool is_limit(const Extreme& one, const Extreme& opposite) {
     const bool symmetric = one.limit > one.tolerance && std::abs(one.limit - opposite.limit) <= one.tolerance &&
                            std::min(one.longest, opposite.longest) >= numbers.shortest_plateau;
@@ -150,7 +151,8 @@ std::vector<double> plateau_values(const Head& head, const VectorXd& load, int j
   return values;
 }
 
-// Number of steps from one end of the range to the other between two rows, while the joint moves on.
+// Number of times that a load steps from one end of its range to the other between two rows, while the joint
+// moves on.
 int overflows(const Head& head, const VectorXd& load, int joint) {
   const auto q = head.rows.q.col(joint);
   const double range = load.maxCoeff() - load.minCoeff();
@@ -162,7 +164,7 @@ int overflows(const Head& head, const VectorXd& load, int joint) {
   return out;
 }
 
-// The values of a load, in which a missing one is replaced by the previous one, so that a gap is no edge.
+// The values of a load, where the previous value replaces a missing one, so that a gap is no edge.
 VectorXd without_gaps(const Channel& load, const Recording& rows) {
   VectorXd values = load.of(rows);
   for (Eigen::Index k = 0; k < values.size(); ++k) {
@@ -201,7 +203,7 @@ void check_torque_steps(const Head& head, Findings* findings) {
   for (const Channel& load : head.moving_loads()) {
     const auto values = load.of(head.rows);
     const std::vector<double> changes = changes_of(values);
-    std::vector<double> present;  // values with one before
+    std::vector<double> present;  // finite values whose previous one is finite
     double square = 0.0;
     for (int k = 1; k < values.size(); ++k) {
       if (!std::isfinite(values[k] - values[k - 1])) continue;

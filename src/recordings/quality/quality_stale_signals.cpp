@@ -1,4 +1,4 @@
-// Signals that are refreshed more slowly than the rows are written.
+// Finds signals that are refreshed more slowly than the rows are written.
 #include <algorithm>
 #include <cmath>
 
@@ -8,9 +8,10 @@
 namespace veridyn::quality {
 namespace {
 
-// Share of repeats of a signal that is refreshed regularly: that of its usual time between changes.
+// Share of rows that repeat the previous value in a regularly refreshed signal, from the usual time between its
+// changes.
 double regular_share(const Head& head, const Column& values, double least) {
-  std::vector<double> held;  // rows
+  std::vector<double> held;  // [rows] times between changes
   int since = 0;
   for (int k = 1; k < values.size(); ++k) {
     if (head.stale[static_cast<std::size_t>(k)]) since = 0;
@@ -21,7 +22,7 @@ double regular_share(const Head& head, const Column& values, double least) {
   const double usual = quantile(held, 0.5);
   double rows = 0.0, count = 0.0;
   for (const double length : held) {
-    if (length > 2.0 * usual) continue;  // a pause
+    if (length > 2.0 * usual) continue;  // a pause of the motion
     rows += length;
     ++count;
   }
@@ -33,7 +34,7 @@ double regular_share(const Head& head, const Column& values, double least) {
 double share_of_repeats(const Head& head, const Channel& channel) {
   const auto values = channel.of(head.rows);
   double resolution = resolution_of(values);
-  // A velocity that was derived from a coarse position has its steps.
+  // A velocity derived from a coarse position has steps of the position's resolution over the time step.
   if (channel.is(&Recording::dq) && head.step > 0.0) resolution = std::max(resolution, 0.5 * resolution_of(head.rows.q.col(channel.joint)) / head.step);
   const double least = numbers.fine * resolution;
   long rows = 0, repeats = 0;
@@ -45,7 +46,7 @@ double share_of_repeats(const Head& head, const Channel& channel) {
     repeats += values[k] == values[k - 1] ? 1 : 0;
   }
   if (rows < numbers.fewest_fine) return 0.0;
-  // A value that is held for longer than these three rows leaves windows without a change, which do not count above.
+  // Values held for more than these three rows are not counted above; regular_share() counts them.
   return std::max(share_of(repeats, rows), regular_share(head, values, least));
 }
 

@@ -1,4 +1,4 @@
-// Tallies of time and of rows.
+// Checks of every row: time steps, and values of rows.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -74,9 +74,9 @@ class TimeTally : public Tally {
   long holes_ = 0;
   double lost_rows_ = 0.0, lost_time_ = 0.0;
   double longest_hole_ = 0.0, longest_hole_at_ = 0.0;
-  long alike_ = 0;              // holes directly after another one of the same length
+  long alike_ = 0;              // number of holes directly after another one of the same length
   double hole_before_ = kNone;  // [rows] length of the hole before, or none
-  double first_hole_at_ = kNone, length_ = 0.0;  // position of the first hole; length of the equal ones
+  double first_hole_at_ = kNone, length_ = 0.0;  // time of the first hole [s]; length of the equal ones [rows]
 };
 
 // The severity of a share of the rows.

@@ -8,7 +8,7 @@
 namespace veridyn::quality {
 namespace {
 
-// dq = factor * d/dt q, over windows of 0.1 s.
+// Fit of dq = factor * d/dt q, over windows of 0.1 s.
 struct VelocityFit {
   int joint = 0;
   double factor = 1.0;
@@ -23,14 +23,14 @@ struct Window {
   double moved, integrated;
 };
 
-// All windows without a gap, one for each row at which it ends.
+// All windows without a gap; each is listed by the row at which it ends.
 std::vector<Window> windows_of(const Head& head, int joint, int recorded) {
   const VectorXd& time = head.rows.time;
   const auto q = head.rows.q.col(joint), dq = head.rows.dq.col(recorded);
   const int window = window_rows(head);
   VectorXd angle = VectorXd::Zero(time.size());  // integral of dq
   std::vector<Window> windows;
-  int last_gap = -1;  // windows must lie after it
+  int last_gap = -1;  // windows must begin after this row
   for (int k = 0; k < time.size(); ++k) {
     const double dt = k > 0 ? time[k] - time[k - 1] : 0.0;
     if (k > 0) {
@@ -144,7 +144,7 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
                      " times that of its position's derivative."));
 }
 
-// True if a factor is the one of another unit: it is `unit` within QualityNumbers::degree_error.
+// True if a factor equals `unit` within QualityNumbers::degree_error.
 bool is_near(double factor, double unit) {
   return std::abs(factor / unit - 1.0) < numbers.degree_error;
 }
@@ -166,15 +166,15 @@ void report_joint_scale(const VelocityFit& fit, Findings* findings) {
   add(std::abs(f - 1.0) > numbers.far_off ? Severity::kFault : Severity::kWarning, "velocity_scale", "dq", times + "take it from the position.");
 }
 
-// Reports factors of the velocities: the same factor on all joints indicates the clock (or the unit), others
-// single channels.
+// Reports factors of the velocities. The same factor on all joints is attributed to the clock (or the unit),
+// different ones to single channels.
 void report_scales(const Head& head, const std::vector<VelocityFit>& fits, Findings* findings) {
   if (fits.empty()) return;
   std::vector<double> factors;
   for (const VelocityFit& fit : fits) factors.push_back(fit.factor);
   const auto [low, high] = std::minmax_element(factors.begin(), factors.end());
   const double common = quantile(factors, 0.5);
-  // A single joint indicates a wrong clock only if its factor is far from one.
+  // With a single joint, a factor near one may be the fault of its sensor rather than of the clock.
   const double threshold = fits.size() > 1 ? numbers.scale_error : numbers.clock_error;
   const bool clock = common > 0.0 && *high - *low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
                      std::abs(common / kDegrees - 1.0) > numbers.degree_error && std::abs(common * kDegrees - 1.0) > numbers.degree_error;
@@ -192,7 +192,7 @@ void report_scales(const Head& head, const std::vector<VelocityFit>& fits, Findi
                                                              number(1.0 / head.step), " Hz (or all velocities are in another unit).")));
 }
 
-// A velocity that is not the derivative of its position, and the joint to which it belongs instead.
+// Reports a velocity that is not the derivative of its joint's position, and the joint whose velocity is.
 void report_unrelated(const Head& head, const VelocityFit& fit, Findings* findings) {
   const Channel dq = velocity_of(fit.joint);
   std::string way = "take it from the position.";
@@ -211,7 +211,7 @@ void check_velocities(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.dq.cols(); ++j) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j, j);
-    // Poses at rest do not follow each other within a window.
+    // A recording of poses at rest is excluded, since successive poses are no motion.
     const bool steady = head.step < numbers.window && onward_motion(head.rows.q.col(j)) > 0.0;
     if (fit.zero && steady) report_joint_scale(fit, findings);
     const double range = range_of(head.rows.dq.col(j));

@@ -16,7 +16,7 @@ namespace {
 
 using Source = std::function<Recording(int)>;
 
-// Numbers beyond +-1e6, which become gaps.
+// Counts numbers beyond +-1e6 and replaces them by gaps.
 class AbsurdNumbers {
  public:
   void clear(Recording* rows) {
@@ -55,8 +55,8 @@ void erase_if(List& list, const Condition& condition) {
   list.erase(std::remove_if(list.begin(), list.end(), condition), list.end());
 }
 
-// Excludes findings that are effects of others: saturation of a slowly refreshed torque, which holds its extreme as well, and
-// rates that follow from times in another unit.
+// Excludes findings that are effects of others: saturation of a slowly refreshed torque, which repeats its
+// extreme value as well, and rates that follow from times in another unit.
 void exclude_effects(RecordingQuality& quality) {
   const auto is_held = [all = quality.findings](const std::string& signal, int joint) {
     return std::any_of(all.begin(), all.end(),

@@ -39,7 +39,7 @@ int meaning_of(const std::string& word) {
   return found == kMeanings.end() ? kNone : found->second;
 }
 
-// A word of a name, and its position.
+// A word of a name, with its position in it.
 struct Word {
   std::string text;
   std::size_t begin = 0, end = 0;
@@ -65,7 +65,7 @@ std::string without_unit(const std::string& name) {
   if (open == std::string::npos || open == 0) return name;
   const std::string inner = name.substr(open + 1, name.find_last_of("])") - open - 1);
   if (is_number(inner)) return name;
-  // `q(elbow)` contains the joint; `q [deg]` the unit.
+  // Brackets contain a unit in `q [deg]`, and the joint in `q(elbow)`.
   const bool unit = name[open] == '[' || (name[open - 1] == ' ') || meaning_of(lower(inner)) == kUnit;
   return unit ? name.substr(0, open) : name;
 }

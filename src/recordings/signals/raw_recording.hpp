@@ -34,7 +34,7 @@ struct RawStream {
 struct RawTopic {
   std::string name, type, encoding;
   long messages = 0;
-  std::int64_t first = 0;  ///< [ns] recorded
+  std::int64_t first = 0;  ///< [ns] time at which the first message was recorded
   std::int64_t last = 0;
   std::string undecoded;  ///< reason if its messages are not decoded; empty: decoded, or not needed
 };

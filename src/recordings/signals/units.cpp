@@ -13,7 +13,7 @@ namespace veridyn::recordings {
 namespace {
 
 const double kPi = std::acos(-1.0);
-/// bit of a load register that holds the direction
+/// bit of a load register that contains the direction
 constexpr long kDirection = 1024;
 /// Units of shares, with the number that corresponds to the whole.
 constexpr std::pair<const char*, double> kShares[] = {{"%", 100.0}, {"permille", 1000.0}, {"share", 1.0}};
@@ -53,7 +53,7 @@ bool is_share(const std::string& unit) {
   return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return without_sign(unit) == share.first; });
 }
 
-// True for degrees where the joint is known to slide, and millimetres where it is known to turn.
+// True for degrees of a joint that is known to be prismatic, and millimetres of one that is known to be revolute.
 bool is_unit_of_other_joint_type(const SignalChoice& choice, const std::string& unit, int joint) {
   if (joint < 1 || static_cast<std::size_t>(joint) > choice.joints.size()) return false;
   const std::string size = without_sign(unit);

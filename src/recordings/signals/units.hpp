@@ -32,7 +32,7 @@ struct UnitScale {
 /// @param joint  has the limits to which shares refer; null: the limits are assumed to be finite.
 std::optional<UnitScale> unit_scale(const std::string& signal, const std::string& unit, const WantedJoint* joint = nullptr);
 
-/// The factor alone.
+/// The factor of unit_scale() alone.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
 
 /// Unit of times with such steps, if it is not the second: "ms", "us" or "ns".

@@ -30,14 +30,14 @@ Json summary_json(const DiagnosisSummary& s) {
           {"held_out_untouched", true}};
 }
 
-// Name and joint of a cause; without an arm there is no joint.
+// Name and joint of a cause; the joint is omitted without an arm.
 Json cause_json(const Diagnosis& d, const Cause& cause) {
   if (!d.baseline.model) return {{"effect", effect_of(cause)}};
   const CauseWords w = words_of(*d.baseline.model, cause);
   return {{"effect", w.effect}, {"joint", w.joint}};
 }
 
-// Adds the place of a cause in all other terms: coordinate, frame, constant, text form.
+// Adds the other terms for a cause's place: coordinate, frame, constant, text form.
 void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
   if (!d.baseline.model) return;
   const CauseWords w = words_of(*d.baseline.model, cause);
@@ -87,7 +87,7 @@ void add_shape(const UnnamedShape& shape, Json& out) {
   out["curve_units"] = shape.units;
 }
 
-// The three components of a direction of gravity as one vector too.
+// Adds the three components of a direction of gravity as one vector.
 void add_gravity(const Finding& f, Json& parameters) {
   Json value = Json::array(), low = value, high = value;
   for (const FoundParameter& p : f.parameters) {

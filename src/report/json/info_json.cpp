@@ -22,7 +22,7 @@ const char* type_name(JointType type) {
                                         : "prismatic";
 }
 
-// The linear form by coordinate: {"pitch_motor": -0.8306, "yaw1_motor": 1.2178}.
+// A linear form as {coordinate: coefficient}: {"pitch_motor": -0.8306, "yaw1_motor": 1.2178}.
 Json form_json(const Model& arm, const Axis& axis) {
   Json out = Json::object();
   for (int i = 0; i < arm.joints() && i < axis.coefficients.size(); ++i) {

@@ -10,7 +10,7 @@ namespace veridyn {
 /// Jacobian, and the remaining error of inverse kinematics.
 std::string to_json(const KinematicTable& table);
 
-/// The same as one HTML page, with the arm drawn and the conditioning over the workspace.
+/// A page with this result, a drawing of the arm, and the conditioning over the workspace.
 std::string to_page(const KinematicTable& table, const Model& arm, const std::string& command);
 
 }  // namespace veridyn

@@ -54,7 +54,7 @@ std::string to_json(const std::vector<RecordingQuality>& recordings) {
                                  {"severity", name_of(recording.severity())},
                                  {"findings", std::move(findings)}});
   }
-  // For a single recording the most used keys are also at the top level.
+  // The result of a single recording repeats the most used keys at the top level.
   if (recordings.size() == 1) {
     for (const char* key : {"rate", "joints", "rows", "topics"}) out[key] = out["recordings"][0][key];
   }

@@ -38,7 +38,7 @@ int WatchedSource::alarms() const {
     if (e.stage != WatchStage::kPresent && e.stage != WatchStage::kBlind) ids.insert(e.id);
   }
   for (const WatchEvent& e : events) {
-    if (e.stage == WatchStage::kBlind) ids.erase(e.id);  // suspected because of the unusable rows
+    if (e.stage == WatchStage::kBlind) ids.erase(e.id);  // the unusable rows explain the suspicion
   }
   return static_cast<int>(ids.size());
 }

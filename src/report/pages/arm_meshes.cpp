@@ -12,16 +12,16 @@
 namespace veridyn {
 namespace {
 
-constexpr int kTrianglesOfArm = 9000;  // all bodies together: 150 kB of a page, and a picture that software can rotate smoothly
-constexpr int kFinestGrid = 64;        // cells along a body's longest edge
-constexpr int kRoundSides = 24;        // of cylinders and spheres
+constexpr int kTrianglesOfArm = 9000;  // largest number for all bodies: 150 kB, and the picture turns smoothly
+constexpr int kFinestGrid = 64;        // largest number of cells along a body's longest edge
+constexpr int kRoundSides = 24;        // number of sides of cylinders and spheres
 
 struct Triangles {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::array<int, 3>> corners;
 };
 
-// A surface of rings of points about z, from the lowest to the highest.
+// The surface of revolution about z through rings of points, from the lowest to the highest.
 Triangles of_rings(const std::vector<std::pair<double, double>>& radius_and_height) {
   Triangles out;
   for (const auto& [radius, height] : radius_and_height) {
@@ -123,7 +123,7 @@ Json meshes_json(const Model& arm) {
     read = urdf_shapes(file.string(), UrdfShapes::kVisual);
     if (read.shapes.empty()) read = urdf_shapes(file.string(), UrdfShapes::kCollision);
   } catch (const InvalidInput&) {
-    return out;  // the file has changed since; the page shows rods instead
+    return out;  // the file has changed in the meantime; the page shows rods instead
   }
   if (read.shapes.empty()) return out;
   const int most = kTrianglesOfArm / static_cast<int>(read.shapes.size());

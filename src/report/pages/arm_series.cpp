@@ -8,7 +8,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kOpenTurn = 2.0;   // [rad] range that is shown for a joint without limits
-constexpr double kOpenWay = 0.2;    // [m] likewise
+constexpr double kOpenWay = 0.2;    // [m] range that is shown for a joint without limits
 
 Json pose_rows(const Eigen::Isometry3d& T) {
   Json out = Json::array();
@@ -23,7 +23,7 @@ const char* kind_of(JointType type) {
   return type == JointType::kFixed ? "fixed" : type == JointType::kRevolute ? "revolute" : "prismatic";
 }
 
-// The frame that the most coordinates move; among equals the last one.
+// The frame that the most coordinates move; if there are several, the last one.
 int tip_of(const Model& arm) {
   int best = 0, most = -1;
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {

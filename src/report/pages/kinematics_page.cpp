@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr std::size_t kDrawn = 2000;  // points in a page
+constexpr std::size_t kDrawn = 2000;  // largest number of points in a page
 
 Json conditioning_json(const Conditioning& c) {
   return {{"condition", c.condition}, {"smallest", c.smallest}, {"manipulability", c.manipulability}};

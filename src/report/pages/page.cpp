@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-// Name in the page's source and the text that replaces it.
+// A placeholder's name in the page's source, and the text that replaces it.
 using Part = std::pair<std::string_view, std::string>;
 
 std::string replaced(std::string_view text, char from, std::string_view to) {
@@ -30,13 +30,12 @@ std::string html_text(std::string_view text) {
   return replaced(replaced(text, '&', "&amp;"), '<', "&lt;");
 }
 
-// Escapes JSON for a script element: "</script>" in a file name must not end it. Only strings can
-// contain '<'.
+// Escapes JSON for a script element, which "</script>" in a file name would end. Only strings can contain '<'.
 std::string json_in_html(std::string_view json) {
   return replaced(json, '<', "\\u003c");
 }
 
-// The source with every {{name}} replaced by its text.
+// Replaces every {{name}} in the source by its text.
 std::string filled(std::string_view source, const std::vector<Part>& parts) {
   std::string out;
   std::size_t at = 0;
@@ -58,7 +57,7 @@ std::string part(std::string_view name) {
   return std::string(page_file(name));
 }
 
-// three.js as gzip in base64, for pages with arms, preceded by its licence.
+// three.js as gzip in base64, preceded by its licence; empty for pages without arms.
 std::string packed_three_js(const Json& series) {
   const std::string_view packed = page_file("three.gz");
   const bool has_arms = !packed.empty() && series.contains("arms") && !series["arms"].empty();

@@ -8,13 +8,13 @@ namespace {
 
 using Column = std::vector<double>;
 
-constexpr std::size_t kFewestSamples = 500;  // fewer would distort a curve
-constexpr std::size_t kNumbers = 330000;     // numbers on a page at most; about 2.7 bytes each
-constexpr std::size_t kColumns = 6;          // per joint: q, dq, ddq and three torques
-constexpr double kSteps = 65533.0;           // between the ends of a packed column
+constexpr std::size_t kFewestSamples = 500;  // smallest number of samples of a curve; fewer would distort it
+constexpr std::size_t kNumbers = 330000;     // largest number of numbers on a page; about 2.7 bytes each
+constexpr std::size_t kColumns = 6;          // columns per joint: q, dq, ddq and three torques
+constexpr double kSteps = 65533.0;           // number of steps between the ends of a packed column
 constexpr unsigned kMissing = 65535;
-constexpr double kTimeStep = 1e-4;           // [s]
-constexpr double kSameTime = 1e-6;           // [s]
+constexpr double kTimeStep = 1e-4;           // [s] resolution of times
+constexpr double kSameTime = 1e-6;           // [s] smaller differences are rounding
 
 VectorXd vector_of(const Column& column) {
   return Eigen::Map<const VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));

@@ -20,9 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 4;                       // levels of subfolders
-constexpr std::size_t kMostSentences = 6;         // of one page or one change
-constexpr std::uintmax_t kLargestPage = 8u << 20;  // [bytes]
+constexpr int kDeepest = 4;                       // largest depth of subfolders
+constexpr std::size_t kMostSentences = 6;         // largest number of sentences for one page or one change
+constexpr std::uintmax_t kLargestPage = 8u << 20;  // [bytes] larger pages are skipped
 
 struct DatedModel {
   std::string file, date;
@@ -41,7 +41,7 @@ std::string content_of_file(const fs::path& path) {
   return out.str();
 }
 
-// The result inside a page or a file of --json; null for other files.
+// Reads the result inside a page or a file of --json; null for other files.
 Json result_in(const fs::path& path) {
   std::error_code error;
   if (fs::file_size(path, error) > kLargestPage || error) return nullptr;

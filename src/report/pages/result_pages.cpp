@@ -62,7 +62,7 @@ Json values_in_file(const Identification& id, const Model& robot) {
   return out;
 }
 
-constexpr std::size_t kWorst = 10;  // parameters whose correlations are shown
+constexpr std::size_t kWorst = 10;  // number of parameters whose correlations are shown
 
 // The parameters with the largest relative standard deviations and their correlations, {names,
 // relative, matrix}; empty where no covariance is known.
@@ -100,7 +100,7 @@ std::string to_page(const Identification& id, const std::string& command, const 
   add_friction(series, id);
   series["correlations"] = correlations_of_worst(id);
   if (robot != nullptr) series["file"] = values_in_file(id, *robot);
-  series["arms"].clear();  // no arm is drawn
+  series["arms"].clear();  // the page draws no arm
   return html_page(id.robot + ": identified", to_json(id), series, id.report() + parameters_text(id));
 }
 
@@ -167,7 +167,7 @@ std::string to_page(const PayloadReport& report, const std::string& command) {
 std::string to_page(const FrictionStudy& study, const std::string& command, const Model* arm) {
   const Model* joints = arm == nullptr && study.fitted.model ? &*study.fitted.model : arm;
   Json series = joints != nullptr ? series_of(command, *joints) : series_of(command);
-  series["arms"] = Json::array();  // nothing here moves
+  series["arms"] = Json::array();  // the page draws no arm, since nothing moves
   return html_page(study.robot + ": friction", to_json(study), series, study.report());
 }
 

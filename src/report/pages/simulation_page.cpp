@@ -11,15 +11,15 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kRampSamples = 250;  // samples of one ramp
-constexpr double kLeap = 5e-3;              // [rad], [m] between rows that indicate a new start
+constexpr Eigen::Index kRampSamples = 250;  // largest number of samples of one ramp
+constexpr double kLeap = 5e-3;              // [rad], [m] step between rows that indicates a new start
 constexpr double kMilli = 1e3;
 
 std::string unit_of(const Coordinate& c) {
   return c.prismatic ? "mm" : "mrad";
 }
 
-// NaN for excluded rows, so that no line is drawn there.
+// Replaces the values of excluded rows by NaN, so that no line is drawn there.
 VectorXd with_gaps(VectorXd values, const std::vector<char>& use) {
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     if (use[k] == 0) values[k] = NAN;

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// Texts of a page beside its result.
+/// Texts of a page in addition to its result.
 struct SimulationRun {
   std::string source;   ///< the recording or trajectory that drove the run
   std::string command;  ///< the command line, shown verbatim; empty: none
@@ -22,7 +22,7 @@ struct SimulationRun {
 std::string to_page(const Replay& replay, const Model& arm, const ReplayInput& input,
                     const SimulationRun& run);
 
-/// The same for a trajectory under a controller.
+/// Page of a trajectory under a controller.
 std::string to_page(const ControlledRecording& controlled, const MotionSamples& wanted,
                     const SimulationRun& run);
 

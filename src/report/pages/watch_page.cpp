@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// Torque and residual, joint by joint.
+// Torque and residual of one joint.
 Json watched_joint(const WatchedSource& source, Eigen::Index joint, const std::string& unit) {
   const auto rows = static_cast<Eigen::Index>(source.states.size());
   VectorXd torque(rows), rest(rows), q(rows);
@@ -38,7 +38,7 @@ std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
   if (!sources.empty() && !sources.back().states.empty()) {
     const WatchedSource& source = sources.back();
     VectorXd time(source.states.size());
-    for (std::size_t k = 0; k < source.states.size(); ++k)  // by the first clock, so that times rise
+    for (std::size_t k = 0; k < source.states.size(); ++k)  // times of the first clock, so that they increase
       time[static_cast<Eigen::Index>(k)] = source.states[k].time + source.states[k].set_back;
     Json joints = Json::array();
     for (int j = 0; j < arm.joints(); ++j)

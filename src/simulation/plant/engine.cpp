@@ -12,8 +12,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kIterations = 6;     // of Newton's method for the equilibrium
-constexpr double kNudge = 1e-6;    // [rad], [m] step of its derivatives
+constexpr int kIterations = 6;     // largest number of Newton steps for the equilibrium
+constexpr double kNudge = 1e-6;    // [rad], [m] step of the numerical derivatives
 
 // Presents the first `joints` coordinates of an engine's arm; the others move without motors: they
 // are states of effects on the whole arm. set_state() puts these into equilibrium. `whole` is the
@@ -62,7 +62,7 @@ class PassiveEngine final : public Engine {
     dq_ = engine_->dq().head(q_.size());
   }
 
-  // The equilibrium, at which the passive coordinates need no effort.
+  // The equilibrium at which the passive coordinates need no effort.
   VectorXd in_balance(const VectorRef& q) const {
     const Eigen::Index n = q_.size(), m = tau_.size() - n;
     const VectorXd rest = VectorXd::Zero(tau_.size());

@@ -11,9 +11,9 @@
 namespace veridyn {
 namespace {
 
-constexpr int kSpread = 2000;       // configurations spread over the range
-constexpr int kMostCorners = 1024;  // corners of the range
-constexpr int kWorst = 8;           // corners from which the search descends
+constexpr int kSpread = 2000;       // number of configurations spread over the range
+constexpr int kMostCorners = 1024;  // largest number of corners of the range that are tested
+constexpr int kWorst = 8;           // number of configurations from which the search descends
 // Ratio of the smallest to the largest eigenvalue of M below which it is singular.
 constexpr double kTiny = 1e-12;
 // [s] shortest time in which viscous friction alone may stop a joint.
@@ -54,7 +54,7 @@ class Range {
     return all;
   }
 
-  // The lowest value of a coordinate-wise search from the worst configurations.
+  // Searches for the lowest value, coordinate by coordinate, from the worst configurations.
   template <typename Worth>
   Candidate lowest_candidate(const Worth& worth) const {
     std::vector<Candidate> all;
@@ -103,7 +103,8 @@ std::string where(const Model& arm, const VectorXd& q) {
   return out;
 }
 
-// Eigenvalues after scaling by the joints' own sizes, so that light and heavy joints count alike.
+// The ratio of the smallest to the largest eigenvalue after scaling by the joints' own sizes, so that light and
+// heavy joints count alike.
 double smallest_scaled_share(const MatrixXd& M, const VectorXd& size) {
   const MatrixXd scaled = size.cwiseInverse().asDiagonal() * M * size.cwiseInverse().asDiagonal();
   if (!scaled.allFinite()) return -1.0;
@@ -165,7 +166,7 @@ std::string infeasibility(const Model& arm) {
   forces.reset(zero.data(), zero.data());
   const VectorXd speeds = motion_limits(arm).velocity;
   const Candidate drive = range.lowest_candidate([&](const VectorXd& q) {
-    double least = 0.0;  // [W] power at full speed of one joint
+    double least = 0.0;  // [W] power at the full speed of one joint
     for (int i = 0; i < n; ++i) least = std::min(least, forces.friction_power(q, i, speeds[i]));
     return least;
   });

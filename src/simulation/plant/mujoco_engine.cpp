@@ -20,15 +20,15 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLongestStep = 1e-3;   // [s]
-constexpr double kFrictionStep = 2e-5;  // [s] where friction has a steep sign
-constexpr double kClear = 2.0;          // times the rest speed above which friction is smooth
-constexpr double kStableShare = 2.0;    // decay rate times step; Runge-Kutta is stable up to 2.78
-constexpr double kNoMass = 1e-10;       // [kg], [kg m^2] that MuJoCo requires of every moving body
+constexpr double kLongestStep = 1e-3;   // [s] longest step
+constexpr double kFrictionStep = 2e-5;  // [s] step near rest, where the sign of friction is steep
+constexpr double kClear = 2.0;          // ratio to the rest speed above which friction is smooth
+constexpr double kStableShare = 2.0;    // largest decay rate times step; Runge-Kutta is stable up to 2.78
+constexpr double kNoMass = 1e-10;       // [kg], [kg m^2] smallest that MuJoCo accepts for a moving body
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// "pos='x y z' quat='w x y z'" of a pose.
+// Text of a pose: "pos='x y z' quat='w x y z'".
 std::string pose_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
   TextStream out;
@@ -37,8 +37,8 @@ std::string pose_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
   return out.str();
 }
 
-// Mass, centre and principal inertia, in the joint's frame: MuJoCo's body frame turns with the
-// joint and lies before B.
+// Text of mass, centre and principal inertia in the joint's frame, since MuJoCo's body frame moves with the
+// joint and does not include B.
 std::string inertial_text(const double* phi, const Posed& B) {
   TextStream out;
   out << std::setprecision(17) << "<inertial";
@@ -57,8 +57,7 @@ std::string joint_name(int link) {
   return "joint" + std::to_string(link);
 }
 
-// Writes the child links of `parent`; `before` is the parent's B, which MuJoCo's body does not
-// include.
+// Writes the child links of `parent`; `before` is the parent's B, which MuJoCo's body does not include.
 void write_children(const Tree& tree, const VectorXd& phi, int parent, const Posed& before,
                     std::ostream& out) {
   for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {
@@ -310,7 +309,7 @@ class MujocoEngine final : public Engine {
   std::vector<std::string> left_out_;
   std::unique_ptr<mjModel, Free> model_;
   std::unique_ptr<mjData, Free> data_;
-  MatrixXd S_, reduced_;  // MuJoCo's joints per coordinate
+  MatrixXd S_, reduced_;  // derivative of MuJoCo's joints by the coordinates
   RowMatrix full_;
   VectorXd q_, dq_, ddq_, k2_, k3_, k4_, q_trial_, dq_trial_, rate_, bias_, sum_, diagonal_;
   MatrixXd M_;

@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// The same arm in MuJoCo. Every moving link of the tree is a MuJoCo body with a joint of its own;
-/// couplings are exact, not soft constraints: with joints s = S q + s0,
+/// An engine that simulates the arm in MuJoCo. Every moving link of the tree is a MuJoCo body with a joint of
+/// its own; couplings are exact, not soft constraints: with joints s = S q + s0,
 ///
 ///   S' M_mujoco S ddq + S' bias_mujoco + effects = tau
 ///

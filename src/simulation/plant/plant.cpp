@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// Share of the whole step; the state is too stiff for smaller ones.
+// Smallest substep as a share of the whole step; a state that needs smaller ones is too stiff.
 constexpr double kSmallestStep = 1e-6;
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace veridyn {
 /// unstable as a force in a forward simulation.
 bool describes_measured_motion(const EffectTerm& term);
 
-/// Set of forces that dry friction can have at rest.
+/// The interval of forces that dry friction can have at rest.
 struct Interval {
   double lower, upper;
 };
@@ -34,7 +34,7 @@ class PlantForces {
   const MatrixXd& damping() const { return damping_; }
   const std::vector<std::string>& left_out() const { return left_out_; }
 
-  /// Starts the memories at this position, time zero.
+  /// Starts the memories at these positions and velocities, with time zero.
   void reset(const double* q, const double* dq);
 
   /// Advances the memories to this state.
@@ -48,7 +48,7 @@ class PlantForces {
   /// Sets the loads from the rigid torques (n). @returns the largest change of a load.
   double set_loads(const double* rigid_torques);
 
-  /// Directions of dry friction; entry k acts along axis(k).
+  /// Number of directions of dry friction; entry k acts along axis(k).
   int dry() const { return static_cast<int>(dry_.size()); }
   const double* axis(int k) const { return dry_[k].direction.data(); }
   double velocity(int k, const double* dq) const {
@@ -74,7 +74,7 @@ class PlantForces {
     int coordinate;
     double coefficient;
   };
-  using Line = std::vector<Entry>;  // the nonzero entries of an axis
+  using Line = std::vector<Entry>;  // nonzero entries of an axis
 
   struct Term {
     const AxisEffect* effect;
@@ -84,7 +84,7 @@ class PlantForces {
     EffectColumns values;
     Line axis, from;
     double offset = 0.0, from_offset = 0.0;
-    std::optional<int> load = {};  // index among the loads
+    std::optional<int> load = {};  // index among the loads; nullopt: none
     EffectState state{};
   };
   struct Affine {
@@ -94,10 +94,10 @@ class PlantForces {
     VectorXd direction;
     Line line;
     std::vector<Term> terms;
-    double constant = 0.0;  // Coulomb friction independent of position and speed
+    double constant = 0.0;  // Coulomb friction, which does not depend on position or speed
   };
   struct Load {
-    VectorXd axis;  // the load is axis . rigid torques
+    VectorXd axis;  // load = axis . rigid torques
     double value = 0.0;
   };
 

@@ -8,11 +8,11 @@
 namespace veridyn {
 namespace {
 
-// Relative to the velocity at the substep's start: close enough to zero.
+// Velocity, relative to that at the substep's start, that counts as zero.
 constexpr double kLanded = 1e-7;
 constexpr double kStill = 1e-12;     // [rad/s] or [m/s] speed that counts as rest
-constexpr int kMostLocations = 40;   // iterations of locating a zero velocity
-// Iterations for forces that depend on the load, and the load on them.
+constexpr int kMostLocations = 40;   // largest number of iterations that locate a zero velocity
+// Largest number of iterations for forces that depend on the load while the load depends on them.
 constexpr int kMostLoadRounds = 60;
 constexpr double kLoadConverged = 1e-13;
 
@@ -23,7 +23,7 @@ void Plant::State::add_biases(Instant& at) {
   forces.add_smooth(at.time, at.q.data(), at.dq.data(), at.bias.data());
 }
 
-// False if the mass matrix is not positive definite.
+// Evaluates the terms of an instant; false if the mass matrix is not positive definite.
 bool Plant::State::evaluate(Instant& at) {
   rigid.equation_of_motion(at.q, at.dq, at.M, at.h);
   add_biases(at);
@@ -92,8 +92,8 @@ void Plant::State::begin(const VectorRef& tau) {
   accelerate(here, tau, Friction::kDecide, here.ddq);
 }
 
-// Advances by h; false if the mass matrix becomes singular. Nystroem's method: both middle slopes
-// have the same position, and share its mass matrix.
+// Advances by h with Nystroem's method, whose two middle slopes have the same position and share its mass
+// matrix. False if the mass matrix becomes singular.
 bool Plant::State::nystroem(const VectorRef& tau, double h) {
   stage.time = here.time + 0.5 * h;
   stage.q = here.q + 0.5 * h * here.dq + 0.125 * h * h * here.ddq;
@@ -162,7 +162,7 @@ double Plant::State::time_to_rest(int axis) const {
   return kLanded * std::abs(velocity(axis, here.dq)) + kStill;
 }
 
-// The axis that reverses first during the substep, or -1.
+// The index of the axis that reverses first during the substep, or -1.
 int Plant::State::first_reversal() const {
   int first = -1;
   double least = 2.0;
@@ -179,8 +179,8 @@ int Plant::State::first_reversal() const {
   return first;
 }
 
-// Shortens h until no axis reverses within the substep: the first one that would then comes to rest
-// at its end. By the Illinois method, since velocities are nearly linear over a substep.
+// Shortens h until no axis reverses within the substep, so that the first one comes to rest at its end. Uses
+// the Illinois method, since velocities are nearly linear over a substep.
 bool Plant::State::locate(const VectorRef& tau, double* h) {
   for (int axis = first_reversal(); axis >= 0; axis = first_reversal()) {
     const int sign = velocity_sign(axis);

@@ -25,10 +25,10 @@ struct Instant {
 
   double time = 0.0;
   VectorXd q, dq, ddq;
-  VectorXd h;     // rigid bodies: C dq + g
-  VectorXd bias;  // h and the effects, without inertia and dry friction
-  MatrixXd M;     // rigid bodies
-  MatrixXd L;     // factor of M and the rotors
+  VectorXd h;     // C dq + g of the rigid bodies
+  VectorXd bias;  // h and the effects, except inertia and dry friction
+  MatrixXd M;     // mass matrix of the rigid bodies
+  MatrixXd L;     // Cholesky factor of M and the rotors
 };
 
 /// State of a Plant, and its integrator.
@@ -84,7 +84,7 @@ struct Plant::State {
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;
   Work work;
-  std::optional<int> failed = {};  // the joint of a value that is not finite
+  std::optional<int> failed = {};  // index of the joint with a value that is not finite
 };
 
 }  // namespace veridyn

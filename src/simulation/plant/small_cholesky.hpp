@@ -8,8 +8,8 @@ namespace veridyn {
 // (entry (i, j) at i + j n), which for a few joints are faster than a library's blocked code and
 // never allocate.
 
-/// A = L L' in place, in the lower triangle, with one over its diagonal on the diagonal. False if A
-/// is not positive definite, or holds NaN.
+/// Factors A = L L' in place, in the lower triangle, with the reciprocals of L's diagonal on the diagonal.
+/// False if A is not positive definite, or contains NaN.
 inline bool cholesky_in_place(double* A, int n) noexcept {
   for (int j = 0; j < n; ++j) {
     double* column = A + j * n;
@@ -27,7 +27,7 @@ inline bool cholesky_in_place(double* A, int n) noexcept {
   return true;
 }
 
-/// x <- L^-1 x.
+/// Solves x <- L^-1 x.
 inline void solve_lower(const double* L, int n, double* x) noexcept {
   for (int j = 0; j < n; ++j) {
     const double* column = L + j * n;
@@ -37,7 +37,7 @@ inline void solve_lower(const double* L, int n, double* x) noexcept {
   }
 }
 
-/// x <- L x.
+/// Multiplies x <- L x.
 inline void multiply_lower(const double* L, int n, double* x) noexcept {
   for (int j = n - 1; j >= 0; --j) {
     const double* column = L + j * n;
@@ -46,7 +46,7 @@ inline void multiply_lower(const double* L, int n, double* x) noexcept {
   }
 }
 
-/// x <- L'^-1 x.
+/// Solves x <- L'^-1 x.
 inline void solve_lower_transposed(const double* L, int n, double* x) noexcept {
   for (int j = n - 1; j >= 0; --j) {
     const double* column = L + j * n;
@@ -62,7 +62,7 @@ inline double dot(const double* a, const double* b, int n) noexcept {
   return sum;
 }
 
-/// y <- y + factor x.
+/// Computes y <- y + factor x.
 inline void add_scaled(double factor, const double* x, int n, double* y) noexcept {
   for (int i = 0; i < n; ++i) y[i] += factor * x[i];
 }

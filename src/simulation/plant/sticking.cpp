@@ -9,7 +9,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kMostSweeps = 1000;
-constexpr double kConverged = 1e-13;  // change per sweep, relative to the free acceleration
+constexpr double kConverged = 1e-13;  // largest change per sweep, relative to the free acceleration
 constexpr double kHolds = 1e-10;      // relative acceleration that counts as zero
 // Relative remainder of a vector outside a span that counts as zero.
 constexpr double kDependent = 1e-9;
@@ -22,7 +22,7 @@ void subtract_components_once(const double* columns, size_t count, int n, double
   }
 }
 
-// Two passes, because the first leaves rounding errors.
+// Subtracts the components in two passes, since one leaves rounding errors.
 void subtract_components(const double* columns, size_t count, int n, double* x) {
   subtract_components_once(columns, count, n, x);
   subtract_components_once(columns, count, n, x);
@@ -93,7 +93,7 @@ void Sticking::stop_resting_axes(double* dq) {
   }
 }
 
-// Projected Gauss-Seidel: each axis in turn gets the force that stops it, within its bounds.
+// Solves by projected Gauss-Seidel: each axis in turn gets the force that stops it, within its bounds.
 void Sticking::solve_box(const double* y_free) {
   const double tolerance = kConverged * std::sqrt(dot(y_free, y_free, n_));
   double* y = residual_.data();
@@ -112,7 +112,7 @@ void Sticking::solve_box(const double* y_free) {
   }
 }
 
-// The pseudo-inverse C+ = R' (R R')^-1 Q' of the axes C = Q R at rest, with Q the basis.
+// Computes the pseudo-inverse C+ = R' (R R')^-1 Q' of the axes C = Q R at rest, where Q is the basis.
 void Sticking::invert() {
   const auto n = static_cast<size_t>(n_);
   const auto rank = static_cast<int>(rank_);
@@ -139,8 +139,8 @@ void Sticking::invert() {
   }
 }
 
-// True if forces within the bounds hold all axes at rest: the previous forces with the smallest
-// change that achieves it. Most instants at rest end here.
+// True if forces within the bounds hold all axes at rest; these are the previous forces plus the smallest
+// sufficient change. Most calls at rest end here.
 //
 // @param held  total force on the axes, including the inertia of the others.
 bool Sticking::stays_at_rest(const double* held) {

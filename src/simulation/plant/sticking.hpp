@@ -24,7 +24,7 @@ class Sticking {
  public:
   explicit Sticking(const PlantForces& forces, int joints);
 
-  /// +1, -1: slides that way; 0: at rest.
+  /// Sliding direction of axis k: +1, -1, or 0 at rest.
   int direction(int k) const { return direction_[k]; }
   void set_direction(int k, int direction) { direction_[k] = direction; }
 
@@ -35,15 +35,15 @@ class Sticking {
   void keep() { kept_ = direction_; }
   void restore() { direction_ = kept_; }
 
-  /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them
-  /// come to rest too.
+  /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them come to rest too.
   void stop_resting_axes(double* dq);
 
-  /// Turns the other forces b into the whitened acceleration: subtracts friction at rest, and axes
-  /// that it cannot hold get a direction.
+  /// Turns the other forces b into the whitened acceleration: friction at rest is subtracted, and axes that it
+  /// cannot hold get a sliding direction.
   void resolve_friction(const PlantForces& forces, const double* L, double time, const double* q, double* b);
 
-  /// The same without releasing any axis: all axes at rest are held.
+  /// Turns the other forces into the whitened acceleration without releasing any axis: all axes at rest are
+  /// held.
   void hold(const double* L, double* y);
 
   /// True if axis k was at rest at the last resolve_friction(), which found this force for it.
@@ -66,13 +66,13 @@ class Sticking {
   int n_;
   std::vector<int> direction_, kept_;
   std::vector<int> rest_;         // axes at rest
-  std::vector<Interval> bounds_;  // of rest_
-  std::vector<double> lambda_;    // of every axis, kept as the next initial guess
+  std::vector<Interval> bounds_;  // bounds of the forces on rest_
+  std::vector<double> lambda_;    // forces of all axes, kept as the next initial guess
   std::vector<char> decided_;
   std::vector<double> white_;  // L^-1 C, columns of rest_
   std::vector<double> norms_;  // squared lengths of its columns
   std::vector<double> basis_;  // orthonormal, rank_ columns
-  std::vector<double> held_;   // its whitened columns, orthonormal
+  std::vector<double> held_;   // columns of basis_, whitened and orthonormalised
   std::vector<double> residual_;
   std::vector<double> axes_;    // C of all axes
   std::vector<double> shares_;  // pseudo-inverse of C, a column of n for each of rest_

@@ -10,8 +10,8 @@ struct PositionRange {
   double lower = 0.0, upper = 0.0;
 };
 
-/// The test of position limits for planned motions and for moving arms: true if the joint is beyond a limit,
-/// or too fast to stop before it. Braking with ddq = -braking dq stops within
+/// True if a joint is beyond a limit, or too fast to stop before it: the test of position limits for planned
+/// motions and for moving arms. Braking with ddq = -braking dq stops within
 ///
 ///   dq / braking
 ///

@@ -10,10 +10,10 @@
 
 namespace veridyn {
 
-/// State of reading one file.
+/// Data that accumulate while one file is read.
 struct YamlSource {
   std::string file;
-  Constants constants;                          ///< known so far
+  Constants constants;                          ///< constants read so far
   std::map<std::string, std::string> formulas;  ///< expressions read so far, by path
   std::string expected = "a robot file";        ///< kind of file, for messages
 };
@@ -30,7 +30,7 @@ class YamlNode {
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   /// Content of the node, for messages.
   std::string found() const;
-  /// "file:line".
+  /// Position of the node as "file:line".
   std::string where() const;
 
   bool is_map() const { return node_.IsMap(); }
@@ -53,7 +53,7 @@ class YamlNode {
   std::optional<YamlNode> find(const std::string& key) const;
   YamlNode at(const std::string& key) const;
 
-  /// The same node under another path, for expressions: "frames/elbow" rather than "frames/4".
+  /// This node under another path, for expressions: "frames/elbow" rather than "frames/4".
   YamlNode placed(const std::string& place) const;
 
  private:

@@ -16,9 +16,9 @@ struct CsvLayout {
   char separator = ',';
   int joints = 0;
   bool has_time = false;
-  std::vector<bool> has_signal;    ///< per entry of kRecordingSignals
-  std::vector<int> slots;          ///< per column: kIgnored, kTime, or slot(signal, joint)
-  std::vector<std::string> names;  ///< per column, for messages
+  std::vector<bool> has_signal;    ///< one entry per kRecordingSignals
+  std::vector<int> slots;          ///< one entry per column: kIgnored, kTime, or slot(signal, joint)
+  std::vector<std::string> names;  ///< names of the columns, for messages
 
   /// Index of a value in a row of numbers: t, then signal by signal, joint by joint (all from 0).
   int slot(int signal, int joint) const { return 1 + signal * joints + joint; }
@@ -41,13 +41,13 @@ bool csv_number(std::string field, char separator, double* value);
 /// True if each field of the line is a number or a gap.
 bool is_row_of_numbers(std::string_view line);
 
-/// Layout from a header line.
+/// Determines the layout from a header line.
 /// @param where  file and line, for messages.
 /// @throws InvalidInput  no q; joints that are not numbered 1..n, or not the same n for each
 /// signal; a repeated column; a missing signal whose name resembles that of a column.
 CsvLayout layout_from_header(std::string_view header, const std::string& where);
 
-/// Layout of a file without a header.
+/// Determines the layout of a file without a header.
 /// @param columns  signals, as "t", "q", "dq", or one name for each column, as "q1", "dq1", "q2".
 /// @throws InvalidInput  an unknown signal, or a number of columns that the signals cannot share.
 CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,

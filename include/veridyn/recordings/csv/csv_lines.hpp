@@ -28,7 +28,7 @@ class CsvLines {
   /// True if the last returned line was the last of the file.
   bool at_end() const { return bytes_.at_end() && bytes_.unread().empty(); }
   long number() const { return number_; }  ///< number of the last returned line, from 1
-  const std::string& last_comment() const { return comment_; }  ///< without its `#`
+  const std::string& last_comment() const { return comment_; }  ///< text of the last comment without its `#`
   const std::string& path() const { return bytes_.path(); }
 
  private:

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// Keys keep the order in which they were added.
+/// A JSON value whose keys keep the order in which they were added.
 using Json = nlohmann::ordered_json;
 
 /// The first members of every result: {"veridyn": version, "command": command}.
@@ -24,7 +24,7 @@ Json json_each(const Items& items, const Act& act) {
   return list;
 }
 
-/// Indented by two, with a line end. Bytes that are not UTF-8 (in file names) are replaced.
+/// The value as text, indented by two, with a line end. Bytes that are not UTF-8 (in file names) are replaced.
 std::string json_text(const Json& value);
 
 }  // namespace veridyn

@@ -22,7 +22,7 @@ namespace veridyn {
 //
 // and a page may add lists of its own. Columns are packed_values().
 
-inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
+inline constexpr Eigen::Index kCurveSamples = 3000;  ///< largest number of samples of one curve
 
 /// Every `step`-th value as 16-bit numbers in base64: {"from", "step", "int16"}, value = from + k step,
 /// where zero is one of the steps, and k = 65535 is a value that is not finite.
@@ -55,7 +55,7 @@ Eigen::Index curve_step(Eigen::Index rows);
 struct PlottedRecording {
   const char* role = "";                     ///< "held out" or "training"
   const RecordingError* model = nullptr;     ///< the unmodified robot
-  const RecordingError* extended = nullptr;  ///< with the findings; null: there are none
+  const RecordingError* extended = nullptr;  ///< the robot with the findings; null: there are none
 };
 
 /// Adds recordings with measured and modelled torques to a page.
