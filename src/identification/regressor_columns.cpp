@@ -48,7 +48,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Segment& s, Joints joi
     at[i] = static_cast<Eigen::Index>(bodies_.columns(i).size());
     Y[i].resize(rows, static_cast<Eigen::Index>(of_joint_[i].size()));
   }
-  bodies_.evaluate(s.q, s.dq, s.ddq, joints.first, joints.end, Y);
+  bodies_.evaluate(s.q, s.body_velocities(), s.ddq, joints.first, joints.end, Y);
   MatrixXd load;
   std::vector<std::vector<Eigen::Index>> at_effect(arm_.effects().size());
   for (size_t e = 0; e < arm_.effects().size(); ++e) {

@@ -188,6 +188,7 @@ PreparationFacts for_each_pose(const Model& arm, const Recording& poses, const s
   Segment s;
   s.dt = 1.0;
   s.use = {1};
+  s.at_rest = true;
   s.core_end = 1;
   s.ddq = MatrixXd::Zero(1, arm.joints());
   for (int k = 0; k < poses.rows(); ++k) {

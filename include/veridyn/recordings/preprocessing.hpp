@@ -124,6 +124,10 @@ struct Segment {
   Eigen::Index core_begin =
       0;  ///< rows before and after the core, in which the filter settles
   Eigen::Index core_end = 0;
+  bool at_rest = false;  ///< a pose at rest: dq is the direction of approach, at the speed kRestSpeed
+
+  /// (rows x n) velocities of the bodies.
+  MatrixXd body_velocities() const { return at_rest ? MatrixXd::Zero(dq.rows(), dq.cols()) : dq; }
 };
 
 /// Properties of a recording that its preparation determines.

@@ -70,6 +70,7 @@ bool fit_mended(DiagnosisState& x, const ReportStep& report_step) {
 
 void run(DiagnosisState& x, const ReportStep& report_step) {
   if (!(x.poses ? fit_baseline(x) : fit_mended(x, report_step))) return;
+  if (x.poses) x.remarks = x.d.baseline.remarks;
   if (!exclude_silent_joints(x)) return;
   if (!x.poses) exclude_rests(x);
   if (!can_attribute_errors(x)) return;
@@ -77,6 +78,7 @@ void run(DiagnosisState& x, const ReportStep& report_step) {
   check_errors_in_variables(x);
   report_step("searching");
   search::explain(x);
+  if (x.poses && !x.d.extended.remarks.empty()) x.d.remarks.back() = x.d.extended.remarks.back();  // the band that remains
   summarize(x.d, x.options);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }

@@ -24,6 +24,13 @@
 namespace veridyn::search {
 namespace {
 
+// Sum of the logarithms of the joints' errors, as in the score; joints without a positive error do not count.
+double log_sum(const VectorXd& error) {
+  double out = 0.0;
+  for (const double e : error) out += e > 0.0 ? std::log(e) : 0.0;
+  return out;
+}
+
 // Joints that have no friction of their own in the file.
 std::set<int> joints_without_friction(const Model& arm) {
   std::set<int> out;
@@ -154,7 +161,7 @@ class Explanation {
       d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(before(), some, d_.changes));
       if (!d_.extended.model || d_.changes || some.empty()) break;
       // If the named terms increase the error under physical conditions, the weakest one is dropped.
-      if (d_.extended.train_error.relative.norm() > d_.baseline.train_error.relative.norm()) {
+      if (log_sum(d_.extended.train_error.relative) > log_sum(d_.baseline.train_error.relative)) {
         for (size_t f = of_finding_.size(); f-- > 0;) {
           if (found_.chosen[of_finding_[f].front()].term.kind != TermKind::kCurve && gone.insert(f).second) break;
         }

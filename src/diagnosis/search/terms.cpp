@@ -312,7 +312,7 @@ Columns load_columns(const Term& term, const Rows& rows) {
   std::vector<MatrixXd> Y;
   for (const Stretch& s : rows.stretches()) {
     Y.assign(arm.joints(), {});
-    batch.evaluate(s.segment.q, s.segment.dq, s.segment.ddq, Y);
+    batch.evaluate(s.segment.q, s.segment.body_velocities(), s.segment.ddq, Y);
     for (size_t at = 0; at < out.joints.size(); ++at) {
       const int i = out.joints[at];
       rows.put(s, Y[i].rightCols<10>() * tangent * rows.arm().coordinates()[i].recorded.torque_gain, out.of[at]);
