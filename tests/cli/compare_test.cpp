@@ -116,7 +116,7 @@ TEST_F(Compare, FrictionThatGrewByAFifthIsNamed) {
   EXPECT_LE(missed, 1);
 }
 
-TEST_F(Compare, APayloadShowsInWeightAndInertia) {
+TEST_F(Compare, APayloadIsReportedInWeightAndInertia) {
   const std::string before = scara(1, 1);
   for (const int motion : {1, 2}) {
     const json out = compared(before, scara(motion, 40, {"payload:flange:mass=0.2"}));
@@ -130,7 +130,7 @@ TEST_F(Compare, APayloadShowsInWeightAndInertia) {
   }
 }
 
-TEST_F(Compare, TextAndJsonAgree) {
+TEST_F(Compare, TheTextHasTheSentencesOfTheJson) {
   const std::string before = scara(1, 1);
   const std::string after = scara(2, 2, {"coulomb_friction:elbow:level=0.3"});
   const ToolRun done = run_tool({"compare", before, after, "--json", folder_.path("out.json")});

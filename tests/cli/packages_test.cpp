@@ -35,7 +35,7 @@ class LonelyTool {
   TemporaryFolder folder_;
 };
 
-TEST(Packages, ACommandWithoutItsPackageIsOneLineThatNamesIt) {
+TEST(Packages, ACommandOfAMissingPackageIsRefusedNamingThePackage) {
   const LonelyTool tool;
   const struct {
     const char *arguments, *package;

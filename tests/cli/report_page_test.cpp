@@ -196,7 +196,7 @@ TEST_P(OpenedReport, AnIdentificationShowsTheNumbersOfItsJson) {
 }
 
 // A reader chooses another recording, which has another length, and zooms into one plot.
-TEST_P(OpenedReport, TheReaderChoosesRecordingAndTime) {
+TEST_P(OpenedReport, TheChosenRecordingAndTimeRangeAreDrawn) {
   const std::string choose =
       "const select = page.document.querySelector('#chooser select');"
       "select.value = 1; select.dispatchEvent(new page.Event('change'));";

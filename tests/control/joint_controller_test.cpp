@@ -113,7 +113,7 @@ void run(Controller& controller, const Reference& wanted, double seconds, ArmRig
   }
 }
 
-TEST(JointController, HoldsYieldsAndResumes) {
+TEST(JointController, HoldsThenYieldsToAPushThenResumesTracking) {
   const Model real = psm_like();
   ArmRig rig(real, kTip);
   rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));
@@ -216,7 +216,7 @@ TEST(JointController, RejectsAnEmptyModel) {
   EXPECT_THROW(TipController{Model()}, InvalidInput);
 }
 
-TEST(TipController, PullsASpringWithTheForceOfItsLaw) {
+TEST(TipController, PullsASpringWithTheForceOfTheImpedanceEquation) {
   const Model real = psm_like();
   ArmRig rig(real, kTip);
   rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));

@@ -111,7 +111,7 @@ TEST(ModelErrorObserver, NeverAddsMoreThanItsLimit) {
 }
 
 // One cycle that is no number leaves no trace in what remembers.
-TEST(WhatRemembers, RecoversFromANonFiniteCycle) {
+TEST(ControllersWithState, GiveFiniteOutputsAfterANonFiniteCycle) {
   const Model arm = psm_like();
   const Tip tip{"tool"};
   ArmState state(arm, tip);

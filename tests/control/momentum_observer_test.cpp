@@ -54,7 +54,7 @@ TEST(MomentumObserver, FollowsAnOuterTorqueAsAFirstOrderLag) {
 }
 
 // After a fast motion the residual decays with the bandwidth, and the threshold no faster and no slower.
-TEST(MomentumObserver, TheThresholdDecaysAsTheResidualDoes) {
+TEST(MomentumObserver, TheThresholdDecaysAtTheRateOfTheResidual) {
   const Model& arm = sample_arms().at("elbow_6R");
   const int n = arm.joints();
   const Tip tip{last_frame(arm)};

@@ -32,7 +32,7 @@ Samples samples(int rows, int joints) {
 // Numbers of rows around the widths of the vectors, so that every tail is met.
 const std::vector<int> kRows = {1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 33};
 
-TEST_P(BatchOnEverySampleArm, ColumnsAreThoseOfTheBodiesThatTheJointMoves) {
+TEST_P(BatchOnEverySampleArm, ColumnsOfAJointBelongToTheBodiesThatItMoves) {
   const TorqueRegressor batch(arm());
   for (int i = 0; i < joints(); ++i) {
     std::vector<int> expected;

@@ -102,7 +102,7 @@ TEST(BoundEffect, AnEffectThatActsOnNoAxisIsRefused) {
   EXPECT_NE(message_of(term).find("'payload' cannot act along an axis"), std::string::npos);
 }
 
-TEST(BoundEffect, TheAxisMayFollowSeveralCoordinatesAndHaveAnOffset) {
+TEST(BoundEffect, AnAxisIsALinearCombinationOfCoordinatesPlusAnOffset) {
   const Axis axis = axis_of(1.2, -0.8, 0.0, 0.3);
   const Model arm = bare_arm({});
   BoundEffect spring(arm, term_of("joint_spring", axis, {{"stiffness", 2.0}}));
@@ -118,7 +118,7 @@ TEST(BoundEffect, TheAxisMayFollowSeveralCoordinatesAndHaveAnOffset) {
   EXPECT_EQ(spring.unit(0), "N m/rad");
 }
 
-TEST(BoundEffect, SamplesMayLieApartInMemoryAndTimeCountsFromTheStart) {
+TEST(BoundEffect, SamplesAreReadWithAStrideAndTimeCountsFromTheReset) {
   // Three joints in columns of two samples; the second sample is wanted.
   const double q[] = {0, 0.1, 0, 0.2, 0, 0.3};
   const double dq[] = {0, 1.1, 0, 1.2, 0, 1.3};

@@ -118,7 +118,7 @@ TEST_P(EveryEffect, IsAffineIfDeclared) {
 
 // Between minus and plus the rest speed dry friction is a straight line, beyond it bends off;
 // constant where nothing but the direction counts.
-TEST_P(EveryEffect, IsDryIfDeclared) {
+TEST_P(EveryEffect, SaturatesAboveTheRestSpeedExactlyIfDeclaredDry) {
   bool dry = false;
   bool constant = true;
   for (size_t p = 0; p < count(); ++p) {
@@ -195,7 +195,7 @@ TEST_P(EveryEffect, FrictionOpposesTheMotion) {
   }
 }
 
-TEST_P(EveryEffect, OffersChoicesOfEveryConstantThatIsSearched) {
+TEST_P(EveryEffect, ItsGridHasValuesForEverySearchedConstant) {
   AxisMotion motion;
   motion.middle = 0.2;
   motion.travel = 1.5;
@@ -227,7 +227,7 @@ TEST(Traits, MemoryDependsOnTheShapeConstants) {
   }
 }
 
-TEST(Grid, FollowsTheMotionOfTheAxis) {
+TEST(Grid, ScalesWithTravelSpeedAndDurationOfTheMotion) {
   AxisMotion motion;
   motion.middle = 0.1;
   motion.travel = 2.0;

@@ -185,7 +185,7 @@ TEST(SearchJacobian, OfEveryKindOfLimitAgreesWithCentralDifferences) {
 }
 
 // A rival that can do all that the other one does: what the other one leaves is asked only.
-TEST(Discrimination, OfNestedRivalsUsesThePartOnlyOneExplains) {
+TEST(Discrimination, GradientForNestedCausesMatchesCentralDifferences) {
   const Search s(read_model("planar-2r"));
   ExcitationOptions options;
   options.criterion = ExcitationCriterion::kDiscriminate;

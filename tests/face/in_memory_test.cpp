@@ -119,7 +119,7 @@ TEST(Recordings, HaveUniqueNames) {
   EXPECT_THROW(Recordings{Recording()}, InvalidInput);
 }
 
-TEST(Reading, EndsWhenItIsInterrupted) {
+TEST(Reading, AnInterruptionEndsAnIdentificationWithAnException) {
   const Laboratory lab;
   IdentificationOptions options;
   options.preprocessing.interrupted = [] { return true; };

@@ -39,12 +39,12 @@ TEST(Expression, MistakesAreQuotedWithTheirReason) {
   EXPECT_NE(reason("betta/2", {{"beta", 1.0}}).find("did you mean 'beta'?"), std::string::npos);
 }
 
-TEST(Expression, WhatIsNotFiniteIsRejected) {
+TEST(Expression, NonFiniteValuesAreRejected) {
   for (const char* expression : {"1/0", "sqrt(-1)", "nan", "inf", "1e999"})
     EXPECT_NE(reason(expression), "") << expression;
 }
 
-TEST(Expression, ConstantsMustNotHideFunctions) {
+TEST(Expression, ReservedAndInvalidConstantNamesAreRefused) {
   for (const char* name : {"pi", "sin", "2x", "a-b", ""})
     EXPECT_THROW(require_constant_name(name), InvalidInput) << name;
   EXPECT_NO_THROW(require_constant_name("l_2"));

@@ -78,7 +78,7 @@ testing::AssertionResult same_answer(const Identification& a, const Identificati
 
 // Recordings that do not fit the memory are parsed once, and their answer is that of recordings in
 // memory to the last bit.
-TEST(ManyRecordings, AreParsedOnce) {
+TEST(ManyRecordings, BeyondMemoryAreParsedOnceWithTheSameResult) {
   const Model arm = robot("scara");
   const Files files("parsed-once");
   const std::vector<std::string> paths = files.recordings(arm, 3);
@@ -212,7 +212,7 @@ TEST(Factors, OfALaterVersionAreRefused) {
 }
 
 // Many recordings keep few blocks each, and still every row.
-TEST(ManyRecordings, KeepEveryRowInFewBlocks) {
+TEST(ManyRecordings, MergingBlocksKeepsEveryRow) {
   const Model arm = robot("scara");
   const Files files("blocks");
   CompressedRecording r = compress(arm, files.recordings(arm, 1, 30.0)[0], {});

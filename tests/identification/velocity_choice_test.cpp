@@ -95,7 +95,7 @@ TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
 }
 
 // Velocities are judged from the rows that are asked about, and from a bounded number of them.
-TEST(VelocityChoice, OnlyUsedRowsAreInspected) {
+TEST(VelocityChoice, InspectedRowsAreThoseOfTheOptionsUpToABound) {
   PreprocessingOptions how;
   how.first_row = 7;
   how.row_count = 30;
@@ -108,7 +108,7 @@ TEST(VelocityChoice, OnlyUsedRowsAreInspected) {
 }
 
 // The torques are the judge: a position that is worse than the doubtful velocity is not asked.
-TEST(VelocityChoice, TheTorqueErrorDecides) {
+TEST(VelocityChoice, VelocitiesAreReplacedOnlyWhereTheTorqueErrorFalls) {
   Identification before;
   before.train_error.relative = Eigen::Vector3d(0.10, 0.10, 0.10);
   std::vector<std::set<int>> asked;

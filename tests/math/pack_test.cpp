@@ -47,7 +47,7 @@ void expect_lanes_are_scalars() {
   }
 }
 
-TEST(Pack, LanesAreScalars) {
+TEST(Pack, EveryLaneEqualsTheScalarResult) {
   expect_lanes_are_scalars<P4>();
   expect_lanes_are_scalars<P8>();
 }

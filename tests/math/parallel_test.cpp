@@ -38,7 +38,7 @@ TEST(ParallelFor, UsesNoMoreThreadsThanItMay) {
 }
 
 // Two bodies that wait for each other finish only if they run at one time.
-TEST(ParallelFor, RunsBodiesAtOneTime) {
+TEST(ParallelFor, TwoBodiesRunAtTheSameTime) {
   std::atomic<int> here{0};
   std::atomic<bool> met{true};
   parallel_for(2, 2, [&](int) {

@@ -23,7 +23,7 @@ void expect_as_jacobi(const MatrixXd& A) {
   EXPECT_LT((found - wanted).cwiseAbs().maxCoeff(), 1e-13 * wanted[0] * static_cast<double>(A.cols()));
 }
 
-TEST(SingularValues, AreThoseOfJacobi) {
+TEST(SingularValues, EqualThoseOfAJacobiDecomposition) {
   Random random(7);
   for (const int n : {1, 2, 3, 26, 98}) {
     const MatrixXd A = random_matrix(random, n);

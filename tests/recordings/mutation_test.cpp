@@ -142,7 +142,7 @@ std::string archive_of_size(std::uint64_t size) {
 }
 
 // No memory is asked for what a directory alone states, of any size.
-TEST(AnArchive, ThatUnpacksToMoreThanTheMachineHoldsIsRefused) {
+TEST(AnArchive, LargerThanMemoryIsRefused) {
   for (const std::uint64_t size : {std::uint64_t{1} << 50, ~std::uint64_t{0}}) {
     try {
       read_probe(archive_of_size(size));

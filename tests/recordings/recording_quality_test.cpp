@@ -178,7 +178,7 @@ TEST(AFault, SwappedVelocitiesAreNamedWithTheJointsThatTheyAreOf) {
 }
 
 // Values are missing to either side of each extreme.
-TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
+TEST(AFault, MissingValuesAroundExtremesAreNotReportedAsSaturation) {
   const Recording clean = clean_recording();
   Recording r = clean;
   for (int j = 0; j < r.joints(); ++j) {
@@ -194,7 +194,7 @@ TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
 }
 
 // A register of 16 bits and the like: what leaves its range comes in at the other end.
-TEST(AFault, ATorqueThatOverflowsIsNotSaturated) {
+TEST(AFault, AnOverflowingTorqueIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   const double end = 0.6 * r.tau.col(1).cwiseAbs().maxCoeff();
   for (double& x : r.tau.col(1)) x -= 2.0 * end * std::round(x / (2.0 * end));
@@ -204,7 +204,7 @@ TEST(AFault, ATorqueThatOverflowsIsNotSaturated) {
 }
 
 // Forty rows in a second are lost now and then, and the times are counted on.
-TEST(AFault, LostRowsAreNoSecondRecording) {
+TEST(AFault, LostRowsAreReportedAsJumpsAndNotAsASecondRecording) {
   const Recording clean = clean_recording();
   Recording r = clean;
   int kept = 0;
@@ -221,7 +221,7 @@ TEST(AFault, LostRowsAreNoSecondRecording) {
 }
 
 // Dry friction of a joint that turns round 0.12 s after the start.
-TEST(AFault, FrictionThatTurnsRoundAtTheStartDoesNotRing) {
+TEST(AFault, AnEarlyFrictionReversalIsNotReportedAsATransient) {
   const Recording clean = clean_recording();
   for (int j = 0; j < kJoints; ++j) {
     int turn = 400;
@@ -234,14 +234,14 @@ TEST(AFault, FrictionThatTurnsRoundAtTheStartDoesNotRing) {
 }
 
 // Two wrong values near the start.
-TEST(AFault, SingleWrongTorquesDoNotRing) {
+TEST(AFault, SingleWrongTorquesAreNotReportedAsATransient) {
   Recording r = clean_recording();
   for (const int row : {5, 31}) r.tau(row, 0) += 20.0 * r.tau.col(0).cwiseAbs().maxCoeff();
   EXPECT_EQ(check_recording(r).find("start_up_transient"), nullptr);
 }
 
 // A torque that is refreshed every tenth row holds its extremes as it holds all values.
-TEST(AFault, ATorqueThatIsHeldIsNotSaturated) {
+TEST(AFault, ATorqueHeldForTenRowsIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   for (int k = 0; k < kRows; ++k) r.tau.row(k) = r.tau.row(k - k % 10).eval();  // one new value in ten rows
   const RecordingQuality quality = check_recording(r);
@@ -258,7 +258,7 @@ TEST(AFault, TorquesThatAreNeverNegativeAreReported) {
 }
 
 // Commanded positions are ahead of measured velocities, and no clock is off.
-TEST(AFault, PositionsThatLeadAreNotReportedAsAnotherClock) {
+TEST(AFault, PositionsAheadOfVelocitiesAreReportedAsADelay) {
   Recording r = clean_recording();
   const int ahead = static_cast<int>(0.08 * kRate);
   r.q.topRows(kRows - ahead) = r.q.bottomRows(kRows - ahead).eval();
@@ -274,7 +274,7 @@ TEST(AFault, RevolutionsPerMinuteAreNotReportedAsDegrees) {
   EXPECT_NE(found(check_recording(r), "rate_contradiction").sentence.find("--units q=rev,dq=rpm"), std::string::npos);
 }
 
-TEST(AFault, IrregularTimeShowsTheMeanRate) {
+TEST(AFault, IrregularTimeIsReportedWithTheMeanRate) {
   Recording r = clean_recording();
   Recording kept = r;
   int count = 0;
@@ -290,7 +290,7 @@ TEST(AFault, IrregularTimeShowsTheMeanRate) {
   EXPECT_NEAR(found(quality, "irregular_time").value, (count - 1) / kept.time[count - 1], 1e-6);
 }
 
-TEST(AFault, AbsurdNumbersAreGapsForTheRest) {
+TEST(AFault, AbsurdNumbersAreReportedAndTreatedAsGaps) {
   Recording r = clean_recording();
   r.q(1000, 0) = 1e305;
   r.tau(2000, 1) = -INFINITY;
@@ -328,7 +328,7 @@ TEST(AFault, AClippedTorqueIsSaturated) {
 }
 
 // Into a limit that a slow torque reaches there is no step; two of one size give it away.
-TEST(AFault, ATorqueBetweenTwoLimitsOfOneSizeIsSaturated) {
+TEST(AFault, ATorqueClippedAtSymmetricLimitsIsSaturated) {
   Recording r = clean_recording();
   const VectorXd wave = (r.time.array() * 2.0).sin();
   r.tau.col(0) = wave.cwiseMin(0.8).cwiseMax(-0.8);
@@ -377,7 +377,7 @@ TEST(AFault, RingingAtTheStartIsATransient) {
   EXPECT_EQ(found(quality, "start_up_transient").joint, 2);
 }
 
-TEST(AFault, AClockThatRunsTwiceTooFastContradictsTheVelocities) {
+TEST(AFault, AWrongClockIsReportedWithItsFactor) {
   for (const double factor : {0.5, 0.93, 2.0}) {
     Recording r = clean_recording();
     r.time *= factor;  // dq = factor * dq/dt
@@ -390,7 +390,7 @@ TEST(AFault, AClockThatRunsTwiceTooFastContradictsTheVelocities) {
   }
 }
 
-TEST(AFault, AFactorOnOneJointIsNotTheClock) {
+TEST(AFault, AVelocityFactorOnOneJointIsNotReportedAsTheClock) {
   Recording r = clean_recording();
   r.dq.col(2) *= 1.12;
   const RecordingQuality quality = check_recording(r);
@@ -583,7 +583,7 @@ TEST(ALongRecording, IsCheckedToItsEndAcrossPieceBoundaries) {
 }
 
 // A step at any row around the end of the head (200,000 rows) is detected exactly once.
-TEST(ALongRecording, HidesNoJumpAtAPieceBoundary) {
+TEST(ALongRecording, JumpsAtAPieceBoundaryAreDetectedOnce) {
   Recording smooth;
   smooth.source = "long";
   smooth.time = VectorXd::LinSpaced(200100, 0.0, 200099 / kRate);
@@ -638,7 +638,7 @@ TEST_F(ARealRecording, OfTheThesisRepeatsAtTheFrequencyOfItsTable) {
   EXPECT_NEAR(found(check("psm1-thesis/fourier-5"), "stale_rows").share, 0.123, 0.001);
 }
 
-TEST_F(ARealRecording, OfForceRampsIsManyRecordingsInOneFile) {
+TEST_F(ARealRecording, OfForceRampsHasJumpsOfTheInsertion) {
   const RecordingQuality quality = check("psm1-thesis/force-ramp");
   EXPECT_NEAR(found(quality, "jumps", 3).value, -0.206, 0.001);
   EXPECT_NEAR(quality.rate, 100.0, 1e-6);
@@ -669,7 +669,7 @@ TEST_F(ARealRecording, OfTheMasterHasVelocitiesOfJoints5To7TooLarge) {
   }
 }
 
-TEST_F(ARealRecording, OfTheUr10eIsNeverAt100Hz) {
+TEST_F(ARealRecording, OfTheUr10eHasIrregularTimeAt94Hz) {
   for (const char* name :
        {"free-12harm30s-2020-02-10", "free-14harm50s-2020-02-19", "free-8harm20s-2020-02-05",
         "free-point-to-point-2020-01-17", "load-2805g-14harm50s-2020-02-19",

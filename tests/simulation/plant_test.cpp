@@ -153,7 +153,7 @@ TEST(Plant, NothingIsAllocatedInAStep) {
   EXPECT_EQ(malloc_count(), before);
 }
 
-TEST(Plant, NonFiniteNumbersStopItAndNameTheJoint) {
+TEST(Plant, ANonFiniteTorqueStopsItAndNamesTheJoint) {
   const Model arm = robot("psm-3dof");
   Plant plant(arm);
   VectorXd tau = VectorXd::Zero(3);

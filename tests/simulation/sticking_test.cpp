@@ -102,7 +102,7 @@ TEST(Sticking, ASpringMassLosesTheSameAmountInEveryHalfSwing) {
 
 // Many axes that depend on each other, all at rest. They hold a torque t e_6 if and only if it lies
 // in the sum of their intervals, that is if t u_6 <= sum L_k |c_k . u| for every direction u.
-TEST(Sticking, CoupledAxesBreakAwayAtTheSupportOfTheirSum) {
+TEST(Sticking, CoupledAxesBreakAwayAtTheBoundOfTheirSummedLevels) {
   const Model full = robot("psm-wrist");
   std::vector<EffectTerm> kept;
   double held = 0.0;
@@ -190,7 +190,7 @@ TEST(Sticking, PreslidingFollowsItsClosedForm) {
 
 // Frictions with a direction: between minus and plus the rest
 // speed the force is a straight line, beyond it bends off.
-TEST(Sticking, EveryEffectDeclaresWhetherItIsDryFriction) {
+TEST(Sticking, EveryEffectThatSaturatesIsDeclaredDryFriction) {
   for (const AxisEffect* effect : axis_effects()) {
     const std::vector<EffectShape> shapes = effect->shapes();
     ShapeValues shape{};

@@ -154,7 +154,7 @@ TEST(ABag, NamesItsTopicsWhereOneIsMissing) {
       << error;
 }
 
-TEST(ABag, GivesAnyFieldByMap) {
+TEST(ABag, AnyNumericFieldCanBeMappedToASignal) {
   RecordingOptions options;
   options.signals.joints = {{"a1", false}, {"a2", false}, {"a3", false}};
   options.signals.map = {{"tau2", "/tool/wrench/wrench/force/z"}};

@@ -103,7 +103,7 @@ TEST_F(Cooperate, AFaultOnBoardsExitsWithStatus4) {
   EXPECT_EQ(run_tool({"cooperate", led, "--quiet"}).status, 3);
 }
 
-TEST_F(Cooperate, AHoldIsReportedAndExitsNormally) {
+TEST_F(Cooperate, AHoldWithItsBoundMetIsReportedAndExitsWithStatus0) {
   const ToolRun run =
       run_tool({"cooperate", example("fault-stale"), "--json", path("out.json"), "--quiet"});
   EXPECT_EQ(run.status, 0) << run.err;  // the required bound is met nevertheless

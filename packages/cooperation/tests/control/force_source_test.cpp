@@ -96,7 +96,7 @@ TEST(SerialLine, ReadsThroughNoiseAndNoticesAnUnpluggedDevice) {
 
 // Through a line, by the clock of a loop of 1 kHz: a cell that falls silent, one that repeats
 // itself and a plug that is pulled are found within 20 ms.
-TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
+TEST(SerialLine, ASilentStuckOrUnpluggedCellIsDetectedWithin20Milliseconds) {
   enum class End { kSilent, kStuck, kPulled };
   for (const End end : {End::kSilent, End::kStuck, End::kPulled}) {
     Terminal line;
@@ -155,7 +155,7 @@ int poll_all(ForceSource& source) {
   return all;
 }
 
-TEST(Udp, DatagramsAreReadings) {
+TEST(Udp, EveryLineOfADatagramIsAReading) {
   const auto source = open_force_source("udp:47113:text");
   const Sender cell(47113);
   cell.write_bytes("512.5");

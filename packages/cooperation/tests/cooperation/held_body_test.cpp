@@ -129,7 +129,7 @@ class Carrying {
   std::unique_ptr<World> world_;
 };
 
-TEST(HeldBody, AHeavyObjectNeitherSagsNorLagsWhereItsInertiaIsKnown) {
+TEST(HeldBody, AHeldObjectOfKnownInertiaDeviatesLessThanOneMillimetre) {
   const Carried known = Carrying(0.5).run();
   const Carried unknown = Carrying(0.0).run();
   ASSERT_TRUE(known.sound && unknown.sound);

@@ -87,7 +87,7 @@ LiveOptions at_once() {
   return o;
 }
 
-TEST(Live, EveryWordOfALineIsChecked) {
+TEST(Live, MalformedCommandLinesAreRefused) {
   const Scenario s = example("two-arms-spring");
   EXPECT_TRUE(std::holds_alternative<LiveAlive>(parse_live_command("  # a remark", s)));
   EXPECT_TRUE(std::holds_alternative<LiveQuit>(parse_live_command("quit", s)));

@@ -121,7 +121,7 @@ TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
 
 // An unbalanced arm loses its torque without a report, on a string: the other arm moves along
 // with it. Without the guard the string carries several times as much.
-TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {
+TEST(BoardDrills, TheTetherGuardReducesTheStringForceOfAFallingArm) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");
   std::string model{std::istreambuf_iterator<char>(file), {}};
   const std::string balanced = "com: [-0.26, 0, 0]";

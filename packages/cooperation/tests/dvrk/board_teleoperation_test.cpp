@@ -43,7 +43,7 @@ TeleoperationRun run(const TeleoperationScenario& scenario,
   return teleoperate_on_boards(scenario, master_and_slave(), options, stop);
 }
 
-TEST(BoardTeleoperation, FollowsTheLeaderClutchesAndReflectsForces) {
+TEST(BoardTeleoperation, TheFollowerMovesHalfAsFarAndRestsWhileTheClutchIsOut) {
   const TeleoperationScenario scenario = example();
   const TeleoperationRun done = run(scenario);
   ASSERT_EQ(done.end, BoardEnd::kDone) << done.report();

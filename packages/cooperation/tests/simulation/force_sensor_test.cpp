@@ -10,7 +10,7 @@ namespace veridyn {
 namespace {
 
 // The force equals the time, so that each sample shows its own time.
-TEST(ForceSensor, SamplesHaveItsRateAndDelay) {
+TEST(ForceSensor, EverySampleHasTheValueOfItsRateAndDelay) {
   for (const double delay : {0.0, 0.003, 0.005}) {
     ForceSensorOptions options;
     options.rate = 500.0;

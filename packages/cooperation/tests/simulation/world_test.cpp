@@ -195,7 +195,7 @@ TEST(World, AnArmHoldsAMemberWithTheTransposedJacobian) {
   EXPECT_LT(world.dq(0).norm() + world.dq(1).norm(), 1e-5);
 }
 
-TEST(World, AWallStopsASlideAndReturnsItsMotion) {
+TEST(World, ASlideReboundsFromAnElasticWallWithItsSpeedReversed) {
   const Model arm = weightless(slide());
   std::vector<WorldArm> arms;
   arms.push_back(standing(arm));

@@ -216,7 +216,7 @@ TEST(ArmKinematics, MtmInverseListsAllSolutions) {
   EXPECT_GT(outside, 250);
 }
 
-TEST(ArmKinematics, MtmPosesOutOfReachAreReportedWithTheStretchedArm) {
+TEST(ArmKinematics, MtmPositionsOutOfReachAreReported) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -310,7 +310,7 @@ TEST(ArmKinematics, WholeTurnsAreWrappedIntoTheRange) {
   }
 }
 
-TEST(ArmKinematics, ChainsOfAnotherFormAreRefused) {
+TEST(ArmKinematics, DhTablesOfAnotherArmTypeAreRefused) {
   ArmFacts arm = read_arm("PSM1");
   EXPECT_THROW(EcmKinematics{arm}, InvalidInput);
   EXPECT_THROW(MtmKinematics{arm}, InvalidInput);

@@ -86,7 +86,7 @@ TEST(ArmSession, TorquesArriveAtTheJoints) {
 
 // A controller of the joints, blind to boards: proportional and derivative action moves every joint
 // to its place and holds it there, directions and couplings included.
-TEST(ArmSession, AControllerOfJointsHoldsTheArm) {
+TEST(ArmSession, AJointPdControllerReachesItsGoal) {
   const MatrixXd K = read_arm("PSM1").coupling(kNeedleDriver);
   Bench bench(example(), K, example_start());
   bench.idle(0.01);
@@ -111,7 +111,7 @@ TEST(ArmSession, AControllerOfJointsHoldsTheArm) {
   EXPECT_EQ(bench.load.current.norm(), 0.0);
 }
 
-TEST(ArmSession, WithoutPowerNoCommandFlows) {
+TEST(ArmSession, WithoutPowerTorqueCommandsCauseNoCurrent) {
   Bench bench(example(), MatrixXd(), example_start());
   bench.idle(0.01);
   ASSERT_TRUE(bench.arm.home().done);
@@ -295,7 +295,7 @@ TEST(ArmSession, CurrentLimitsComeFromTheCalibration) {
 }
 
 // Two arms may have boards with the same ids; serial numbers in the configuration distinguish them.
-TEST(ArmSessionBoards, MustBelongToTheRobot) {
+TEST(ArmSessionBoards, WithOtherSerialNumbersThanConfiguredAreRefused) {
   for (const std::string& there : {std::string("1234-57"), std::string("9999-01"), std::string()}) {
     RobotConfig robot = example();
     const std::vector<int> ids = boards_of(robot);

@@ -46,7 +46,7 @@ TEST(EmulatedEncoder, AccelerationArrivesAtTheHost) {
   EXPECT_NEAR(m.predicted, a * 0.5, 0.01 * a * 0.5);
 }
 
-TEST(EmulatedEncoder, RestAndReversalAreReported) {
+TEST(EmulatedEncoder, VelocityIsZeroAfterAReversalAndAtRest) {
   EmulatedEncoder encoder;
   encoder.power_up(0.5, 0);
   EXPECT_EQ(encoder.words(8, 10).period, 0xCBFFFFFFU);  // section 11.2, power-up

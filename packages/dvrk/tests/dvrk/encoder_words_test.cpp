@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 namespace {
 
 // Words and their decoding by the laboratory's library (threshold 1): specification 11.2.
-TEST(EncoderWords, MotionIsThatOfTheLaboratorysHost) {
+TEST(EncoderWords, DecodedMotionEqualsThatOfTheDvrkHostSoftware) {
   struct Case {
     std::uint32_t period, quarter1, quarter5, running;
     double velocity, predicted, acceleration;
@@ -75,7 +75,7 @@ TEST(EncoderWords, CountsAndPreloadAreInverse) {
   EXPECT_TRUE(encoder_error(0x5000C000));
 }
 
-TEST(EncoderWords, PowerUpWordsMeanRest) {
+TEST(EncoderWords, TheWordsAtPowerUpDecodeToRestAtCountZero) {
   const EncoderMotion motion = encoder_motion(EncoderWords{});
   EXPECT_EQ(motion.velocity, 0.0);
   EXPECT_EQ(motion.predicted, 0.0);

@@ -129,7 +129,7 @@ Recording true_rows(Recording rows) {
 
 // A motion is led in true positions by a model that knows its sensors, as well as without errors; by
 // one that does not, it is off by the zero.
-TEST(ModelController, SensorErrorsOfTheModelAreCorrected) {
+TEST(ModelController, AnEncoderZeroInTheModelIsCorrectedInTheMotion) {
   Trial plain(ControlLaw::kComputedTorque);
   const double usual = worst_joint_error(plain.run().rows);
   for (const bool knows : {true, false}) {
@@ -226,7 +226,7 @@ TEST(ModelController, ALostBoardEndsEveryLawWithoutCurrents) {
 }
 
 // The arm is thrown: the supervisor's velocity limit ends the run, with its name and the joint's.
-TEST(ModelController, TheSupervisorEndsARunByName) {
+TEST(ModelController, AVelocityBeyondTheSupervisorsLimitEndsTheRunWithItsJoint) {
   bool thrown = false;
   int cycles = 0;  // with currents, since
   Trial trial(ControlLaw::kGravity);

@@ -206,7 +206,7 @@ TEST(Requests, CommandRequestsAreEncodedByteForByte) {
   EXPECT_EQ(encoded(block_write(63, 54, both, 2, 7, buffer)), hex("19.8", "broadcast write"));
 }
 
-TEST(Feedback, MatchesTheTableOfTheSpecification) {
+TEST(Feedback, IsDecodedAsInTheTableOfTheSpecification) {
   const Bytes bytes = bytes_of(hex("19.6", "board to PC"));
   Reply r;
   ASSERT_EQ(decode(view(bytes), r), Malformed::kNone);
@@ -280,7 +280,7 @@ TEST(Sizes, ABroadcastReadOfManyBoardsHasTheSizeOfTheSpecification) {
   EXPECT_GT(bytes(13, 7), largest_read(1500));
 }
 
-TEST(Sequence, NeverIsZero) {
+TEST(Sequence, SkipsZeroWhenItWrapsAround) {
   EXPECT_EQ(next_sequence(1), 2);
   EXPECT_EQ(next_sequence(0xFFFF), 1);
 }
@@ -301,7 +301,7 @@ TEST(HubHeaders, SurviveARoundTrip) {
   }
 }
 
-TEST(HubHeaders, OfAnotherSequenceDoNotAnswer) {
+TEST(HubHeaders, AnswerOnlyAQueryOfTheirOwnSequenceNumber) {
   HubHeader header;
   header.sequence = 0x34;
   EXPECT_TRUE(answers(header, 0x1234, 8));

@@ -10,7 +10,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-TEST(RunJson, StatesInOneWordWhetherThePowerIsOff) {
+TEST(RunJson, StatesWhetherPowerOffWasConfirmed) {
   for (const auto& [power, word] : {std::pair{OffState::kNotAsked, "not asked"},
                                     {OffState::kConfirmed, "confirmed"},
                                     {OffState::kPowerOn, "not confirmed"},
