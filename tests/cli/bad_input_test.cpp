@@ -77,7 +77,7 @@ TEST_F(BadInput, AMissingRecordingIsNamed) {
 }
 
 // A folder opens like a file, and reading it fails: everywhere in one line that says so.
-TEST_F(BadInput, AFolderInPlaceOfAFileIsRefused) {
+TEST_F(BadInput, AFolderGivenAsAFileIsRefused) {
   const std::string folder = folder_.path("folder");
   ASSERT_TRUE(std::filesystem::create_directory(folder));
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
@@ -383,7 +383,7 @@ TEST(RemoteCentre, IsRefusedForATipThatSlidesAlongItsTool) {
   EXPECT_NE((run.out + run.err).find("contradict any centre"), std::string::npos) << run.out << run.err;
 }
 
-TEST(RepeatedRecordings, AreWarnedOfUnderAnyName) {
+TEST(RepeatedRecordings, AreWarnedOfEvenUnderAnotherName) {
   const TemporaryFolder folder;
   const std::string one = folder.write("one.csv", planar_recording(3.0));
   const std::string copy = folder.write("copy.csv", planar_recording(3.0));

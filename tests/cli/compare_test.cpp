@@ -75,7 +75,7 @@ bool has(const Words& all, const std::string& wanted) {
 
 // 5 % of the comparisons may call an unchanged arm different. Of ten, more than two would then be
 // one case in a hundred.
-TEST_F(Compare, AnUnchangedArmIsSeldomReportedAsDifferent) {
+TEST_F(Compare, AnUnchangedArmIsRarelyReportedAsDifferent) {
   const std::string first = scara(1, 1);
   int different = 0;
   for (int k = 0; k < 5; ++k) {
@@ -213,7 +213,7 @@ TEST_F(CompareRealArms, FrictionOfTheWristDiffersBetweenDays) {
 }
 
 // 100 g more, taped about 16.5 cm from the centre of the parallel link's shaft: 16.5 g m.
-TEST_F(CompareRealArms, AHundredGramsChangeTheMomentOfPitch) {
+TEST_F(CompareRealArms, APayloadOf100GramsIsReportedInTheMomentOfPitch) {
   const json out = compared(wrist("one-105g-parallel"), wrist("one-205g-parallel"));
   EXPECT_TRUE(out["same_motion"].get<bool>());
   const Words all = named(out);

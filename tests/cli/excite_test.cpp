@@ -206,7 +206,7 @@ TEST(Excite, TheSameSeedWritesTheSameFile) {
   EXPECT_EQ(content_of(folder.path("1")), content_of(folder.path("2")));
 }
 
-TEST(Excite, LimitsThatCannotBeMetAreNamedAndNothingIsWritten) {
+TEST(Excite, InfeasibleLimitsAreReportedAndNoFileIsWritten) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--box",
                                      "tool:5,6,-inf,inf,-inf,inf"} +

@@ -201,7 +201,7 @@ ToolRun run_on_full_disk(const Words& words) {
   return run;
 }
 
-TEST(AFullDisk, IsNamedAndNothingIsLeft) {
+TEST(AFullDisk, IsReportedAndLeavesNoFile) {
   const TemporaryFolder inputs;
   const std::string recording = inputs.write("recording.csv", planar_recording(4.0));
   for (const Words& words : {Words{"identify", "planar-2r", "--train", recording, "--json"},
@@ -221,7 +221,7 @@ TEST(AFullDisk, IsNamedAndNothingIsLeft) {
 }
 
 // A pipe is opened once: opened and closed before the work, it would have ended for its reader.
-TEST(APipeAsOutput, GetsTheWholeResult) {
+TEST(APipeAsOutput, ReceivesTheCompleteResult) {
   const TemporaryFolder folder;
   const std::string recording = folder.write("recording.csv", planar_recording(4.0));
   const std::string pipe = folder.path("pipe"), got = folder.path("got.json");

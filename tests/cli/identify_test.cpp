@@ -102,7 +102,7 @@ TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
   }
 }
 
-TEST_F(Identify, TheTextShowsTheNumbersOfTheJson) {
+TEST_F(Identify, EveryNumberOfTheTextIsInTheJson) {
   const ToolRun brief = run({});
   EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 10) << brief.out;
   EXPECT_EQ(brief.out.find("base parameter\n"), std::string::npos) << brief.out;

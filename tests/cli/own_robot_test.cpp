@@ -180,7 +180,7 @@ TEST_F(OwnRobot, DiagnosisOfAFileWithoutFrictionNamesTheHiddenCauseFirst) {
   for (const json& finding : d["findings"]) EXPECT_NE(finding["effect"], "coulomb_friction") << finding;
 }
 
-TEST_F(OwnRobot, DriveGainsTurnCurrentsIntoTorques) {
+TEST_F(OwnRobot, DriveGainsConvertCurrentsToTorques) {
   const Model maker = read_model(kUrdf);
   std::string csv = content_of(path("plain", "1"));
   csv = std::regex_replace(csv.substr(0, csv.find('\n')), std::regex("tau([0-9])"), "i$1") +

@@ -53,7 +53,7 @@ TEST(Packages, ACommandOfAMissingPackageIsRefusedNamingThePackage) {
   }
 }
 
-TEST(Packages, CoreCommandsNeedNoPackage) {
+TEST(Packages, CoreCommandsRunWithoutAnyPackage) {
   const LonelyTool tool;
   EXPECT_EQ(tool.run("info planar-2r", "/nonexistent").status, 0);
   EXPECT_EQ(tool.run("export --help", "/nonexistent").status, 0);

@@ -242,7 +242,7 @@ TEST_F(ReportPage, ShowsTheCommandOfTheRun) {
   EXPECT_EQ(settings["filter_cutoff"].get<double>(), 5.0);
 }
 
-TEST_F(ReportPage, OutputsToOneFileAreRefused) {
+TEST_F(ReportPage, TwoOutputsToOneFileAreRefused) {
   const ToolRun same = run_tool({"identify", "psm-3dof", "--train", path("recording1.csv"),
                                  "--report", path("x"), "--json", path("x")});
   EXPECT_EQ(same.status, 2);

@@ -303,7 +303,7 @@ TEST(CooperativeController, ANonFinitePositionEndsTheTask) {
 }
 
 // Once targets are held, what is no number leaves no trace either: an arm that is lost often has none.
-TEST(CooperativeController, NonFinitePositionsDuringAHoldMoveNothing) {
+TEST(CooperativeController, NonFinitePositionsDuringAHoldLeaveTargetsUnchanged) {
   const auto breaks = {+[](CooperativeInput& in) { in.position[1].x() = NAN; },
                        +[](CooperativeInput& in) { in.velocity[1].y() = NAN; },
                        +[](CooperativeInput& in) { in.force[0].force = NAN; },
@@ -352,7 +352,7 @@ TEST(CooperativeController, ANonFiniteReadingEndsTheTask) {
 }
 
 // Commands with a number out of range are refused and change nothing.
-TEST(CooperativeController, InvalidCommandsChangeNothing) {
+TEST(CooperativeController, InvalidCommandsLeaveTheTargetsUnchanged) {
   Tracking t;
   CooperativeController& c = *t.control;
   for (const double time : {0.0, -1.0, static_cast<double>(NAN), HUGE_VAL}) {
@@ -376,7 +376,7 @@ TEST(CooperativeController, InvalidCommandsChangeNothing) {
 
 // Force control that is on already goes on: neither the correction nor the checks of its sensor start
 // afresh. A member that is not tracked may have any reading.
-TEST(CooperativeController, ReenablingForceControlChangesNothing) {
+TEST(CooperativeController, ReenablingForceControlKeepsItsCorrection) {
   Tracking t;
   const double correction = t.control->correction(0);
   EXPECT_GT(correction, 1e-3);

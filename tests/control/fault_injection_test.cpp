@@ -168,7 +168,7 @@ void expect_safe(Loop& loop, SafetyFault fault) {
   EXPECT_LT(loop.speed(), 1e-3);
 }
 
-TEST(FaultInjection, WithoutFaultsNothingIsReported) {
+TEST(FaultInjection, WithoutInjectedFaultsNoFaultIsReported) {
   Loop loop(true);
   loop.pull(12.0, 2.0);
   loop.run(4.0);
@@ -206,7 +206,7 @@ TEST(FaultInjection, LongDropoutsStopTheArm) {
   }
 }
 
-TEST(FaultInjection, LostEncodersStopTheArm) {
+TEST(FaultInjection, AnEncoderWithoutReadingsStopsTheArm) {
   for (const bool with_spring : {true, false}) {
     Loop loop(with_spring);
     begin_moving(loop, with_spring);

@@ -76,7 +76,7 @@ TEST(MomentumObserver, TheThresholdDecaysAtTheRateOfTheResidual) {
 
 // The threshold against its definition: every parameter wrong by its own share, one after the
 // other, through inverse dynamics.
-TEST(TorqueUncertainty, IsTheRootSumOfSquaresOverTheParameters) {
+TEST(TorqueUncertainty, IsTheRootSumOfSquaresOfParameterContributions) {
   for (const char* name : {"spherical_RRP", "coupled_wrist", "branched_tree"}) {
     const Model& arm = sample_arms().at(name);
     const int n = arm.joints();

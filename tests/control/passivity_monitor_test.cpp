@@ -30,7 +30,7 @@ TEST(PassivityMonitor, ADecayingOscillationReturnsNoMoreThanTheStoredEnergy) {
 }
 
 // A limit cycle feeds the damping for ever: 1/2 c a^2 w^2 t.
-TEST(PassivityMonitor, ALimitCycleGeneratesEnergyWithoutBound) {
+TEST(PassivityMonitor, ALimitCycleGeneratesEnergyWithoutLimit) {
   EXPECT_NEAR(generated(0.0, 2.0), 0.5 * 2.0 * 1e-6 * 1600.0 * 3.0, 0.6e-3);
   EXPECT_GT(generated(1.0, 0.0), 5e-3);
 }

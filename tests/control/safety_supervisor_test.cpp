@@ -227,7 +227,7 @@ TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyIfUnreachable) {
 
 // Positions that are always some cycles old are new ones: an arm that moves at 0.9 of its largest velocity is not
 // stopped, and a jump is found.
-TEST(SafetySupervisor, PositionsWithConstantLatencyCountAsNew) {
+TEST(SafetySupervisor, PositionsWithConstantLatencyAreAccepted) {
   for (const double cycles : {1.0, 1.7, 5.0}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);

@@ -202,7 +202,7 @@ TEST(InverseKinematics, FindsThePoseOfRandomJointsFromNearby) {
   }
 }
 
-TEST(InverseKinematics, LimitsAreKeptAndOtherJointsCompensate) {
+TEST(InverseKinematics, JointLimitsHoldAtReachablePositions) {
   const Model arm = with_limits(sample_arms().at("serial_RRPRRPR"), 0.6);
   const int frame = static_cast<int>(arm.frames().size()) - 1;
   InverseKinematics inverse(arm, {last_frame(arm)});

@@ -34,7 +34,7 @@ struct Line {
   std::vector<char> healthy{1, 0};
 };
 
-TEST(TetherGuard, EstimatesTheLengthWithoutForce) {
+TEST(TetherGuard, EstimatesTheUnloadedLength) {
   const Line line;
   EXPECT_NEAR(line.guard.free_length(0), 0.1, 1e-9);
 }
@@ -87,7 +87,7 @@ TEST(TetherGuard, AnEndMovingSidewaysDoesNotTightenASlackString) {
 }
 
 // A taut member of known stiffness is stretched by no more than what twice the force does.
-TEST(TetherGuard, ATautMemberCarriesAtMostTwiceTheForce) {
+TEST(TetherGuard, AGuardedTautMemberIsStretchedByAtMostTwiceItsForce) {
   Line line(2000.0);
   double longest = 0.0;
   for (int k = 0; k < 400; ++k) {

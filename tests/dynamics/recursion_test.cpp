@@ -75,7 +75,7 @@ TEST_P(RecursionOnEverySampleArm, DualNumbersGiveTheDirectionalDerivativeOfTheTo
   }
 }
 
-TEST_P(RecursionOnEverySampleArm, PacksHoldTheTorquesOfEachLane) {
+TEST_P(RecursionOnEverySampleArm, PacksGiveTheTorquesOfEachLane) {
   struct Here;
   using P = Pack<4, Here>;
   const Tree tree(arm(), Tree::Keep::kMovingLinks);

@@ -136,7 +136,7 @@ TEST_P(BatchOnEverySampleArm, GradientIsThatOfTheWeightedRegressor) {
   }
 }
 
-TEST_P(BatchOnEverySampleArm, TorqueSlopesAreThoseOfTheTorques) {
+TEST_P(BatchOnEverySampleArm, TorqueDerivativesMatchDifferencesOfTheTorques) {
   const TorqueRegressor batch(arm());
   const int n = joints();
   const Samples s = samples(9, n);
@@ -173,7 +173,7 @@ TEST(TorqueRegressor, ReadsBlocksOfLargerMatrices) {
   }
 }
 
-TEST(TorqueRegressor, ColumnsBeyondItsOwnAreNotWritten) {
+TEST(TorqueRegressor, WritesOnlyItsOwnColumns) {
   const TorqueRegressor batch(elbow_6r());
   for (const int rows : {20, 300}) {  // directly, and by blocks
     const Samples s = samples(rows, 6);

@@ -161,7 +161,7 @@ TEST(BoundEffect, InitialShapeConstantsDependOnTheJointType) {
       1e-3);
 }
 
-TEST(BoundEffect, SeveralMemoriesOnOneAxisHaveNamesOfTheirOwn) {
+TEST(BoundEffect, HysteresesOnOneAxisHaveDistinctNames) {
   const EffectTerm near_one = term_of("presliding_hysteresis", yaw_axis(), {{"distance", 5e-3}});
   const EffectTerm far_one = term_of("presliding_hysteresis", yaw_axis(), {{"distance", 0.24}});
   EXPECT_EQ(BoundEffect(bare_arm({near_one}), near_one).parameter_name(0),
@@ -178,7 +178,7 @@ TEST(BoundEffect, HasValuesOnlyIfTheFileGivesEveryParameter) {
   EXPECT_FALSE(bound("warm_up", {{"level", 0.2}, {"time_constant", 30.0}}).has_values());
 }
 
-TEST(BoundEffect, APhraseNeedsOneValueForEachParameter) {
+TEST(BoundEffect, APhraseWithTooFewValuesIsRefused) {
   EXPECT_THROW(bound("warm_up").phrase({1.0}), InvalidInput);
 }
 

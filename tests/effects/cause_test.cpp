@@ -26,7 +26,7 @@ std::string refusal(const std::string& words) {
 }
 
 // Every number of every frame, of rows and of origins, is set alone: the others keep their values.
-TEST(Cause, OnlyTheGivenConstantOfAFrameIsSet) {
+TEST(Cause, SettingOneFrameConstantKeepsAllOthers) {
   std::map<std::string, Model> arms = sample_arms();
   arms.emplace("psm-3dof", psm());
   int rows = 0, origins = 0;

@@ -26,7 +26,7 @@ TEST(CoulombFriction, IsLinearThroughRest) {
 }
 
 // 2 / (1 + exp(-a v)) - 1 = tanh(a v / 2).
-TEST(CoulombFriction, WithASlopeIsTheSigmoidOfTheThesisWithTheSignOfTheErrata) {
+TEST(CoulombFriction, WithASlopeIsTheSigmoidOfTheThesisErrata) {
   for (const double a : {20.0, 300.0}) {
     for (const double v : {-2.0, -0.01, 0.0, 1e-8, 0.003, 0.4}) {
       const double sigmoid = 2.0 / (1.0 + std::exp(-a * v)) - 1.0;
@@ -71,7 +71,7 @@ TEST(EndStop, ActsAsASpringBeyondItsEndAndIsZeroElsewhere) {
   EXPECT_NEAR(at(-0.7, -1.0), -0.4, kEps);  // the motor pulls where the stop pushes upwards
 }
 
-TEST(StribeckFriction, FadesAsABellCurveOfVelocity) {
+TEST(StribeckFriction, DecaysAsAGaussianOfVelocity) {
   const std::map<std::string, double> shape{{"velocity", 0.2}};
   EXPECT_NEAR(columns_of("stribeck_friction", moving(0, 0.2), shape)[0], std::exp(-1.0), kEps);
   EXPECT_NEAR(columns_of("stribeck_friction", moving(0, -0.4), shape)[0], -std::exp(-4.0), kEps);
@@ -80,7 +80,7 @@ TEST(StribeckFriction, FadesAsABellCurveOfVelocity) {
               2 * kRestSpeed * kRestSpeed);
 }
 
-TEST(AsymmetricFriction, IsForwardsMinusBackwards) {
+TEST(AsymmetricFriction, TheParameterIsForwardMinusBackwardFriction) {
   const EffectColumns forwards = columns_of("asymmetric_friction", moving(0, 0.6));
   const EffectColumns backwards = columns_of("asymmetric_friction", moving(0, -0.6));
   // Friction is positive in the direction of motion: its size backwards is minus the torque.
@@ -164,7 +164,7 @@ TEST(CableCoupling, DependsOnPositionSquareAndSignOfVelocityOfItsSource) {
 }
 
 // T_k(cos a) = cos(k a).
-TEST(PositionForce, IsMadeOfChebyshevPolynomialsOverItsRange) {
+TEST(PositionForce, ColumnsAreChebyshevPolynomialsOverItsRange) {
   const std::map<std::string, double> shape{{"centre", 0.1}, {"half_range", 0.4}};
   for (double a = 0.0; a <= M_PI; a += 0.1) {
     const EffectColumns row =
@@ -207,7 +207,7 @@ TEST_P(FrictionWithoutMemory, DissipatesPowerAtEverySampleForAnyAllowedParameter
   }
 }
 
-TEST_P(FrictionWithoutMemory, IsTheSameInBothDirections) {
+TEST_P(FrictionWithoutMemory, IsAnOddFunctionOfVelocity) {
   for (AxisSample x : random_samples(9)) {
     const EffectColumns row = columns_of(GetParam(), x);
     x.ds = -x.ds;

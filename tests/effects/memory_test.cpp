@@ -197,7 +197,7 @@ TEST(PreslidingHysteresis, AWideLoopDissipatesFourTimesAmplitudeMinusDistance) {
   EXPECT_NEAR(loop, 4 * (A - kDistance), step * step / 12 * 2 * (2 / kDistance) * 1.01);
 }
 
-TEST(Backlash, IsFreeInTheGapAndMeetsItsFrictionAtTheEnds) {
+TEST(Backlash, ForceIsZeroInsideTheGapAndRisesTowardsItsEnds) {
   // Out of contact in front, 1 - 2 way / gap is the place in the gap.
   for (const double share : {0.0, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 1.0, 2.0}) {
     const double place = std::clamp(1 - 2 * share, -1.0, 1.0);
@@ -264,7 +264,7 @@ TEST(TransmissionCompliance, IsTheSecondDerivativeOfTheLoadOneSampleBefore) {
   }
 }
 
-TEST(TransmissionCompliance, ARepeatedSampleChangesNothing) {
+TEST(TransmissionCompliance, ARepeatedSampleGivesTheSameValue) {
   BoundEffect e = bound("transmission_compliance");
   EffectColumns row{};
   AxisSample x;

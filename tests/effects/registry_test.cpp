@@ -106,7 +106,7 @@ TEST_P(EveryAxisEffect, HasEffortsInNewtonMetresOrInNewtons) {
   }
 }
 
-TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoExactlyItsOwnColumns) {
+TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoItsOwnColumnsOnly) {
   BoundEffect e = bound(GetParam());
   const auto count = static_cast<size_t>(e.parameter_count());
   for (const AxisSample& x : random_samples(3)) {
@@ -117,7 +117,7 @@ TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoExactlyItsOwnColumns) {
   }
 }
 
-TEST_P(EveryAxisEffect, KeepsAStateOnlyIfDeclared) {
+TEST_P(EveryAxisEffect, ChangesItsStateOnlyIfDeclared) {
   if (effect().traits().memory) GTEST_SKIP() << "has a memory";
   const BoundEffect e = bound(GetParam());
   EffectState state{};

@@ -82,7 +82,7 @@ TEST_P(EveryEffect, ReadsOnlyDeclaredInputs) {
   EXPECT_EQ(matters.count("from_s") + matters.count("from_ds") > 0, traits().uses_source);
 }
 
-TEST_P(EveryEffect, KeepsAStateOnlyWithAMemory) {
+TEST_P(EveryEffect, HasAStateOnlyIfDeclaredWithMemory) {
   EffectState state{};
   for (const AxisSample& x : random_samples(72)) columns(x, state);
   EXPECT_EQ(state != EffectState{}, traits().memory);

@@ -135,7 +135,7 @@ TEST(Collisions, LinksKeepTheirClearanceAndStayAboveTheFloor) {
   EXPECT_EQ(free.report().find("gap of "), std::string::npos);
 }
 
-TEST(Collisions, GapsAreThoseOfPointsAlongTheAxes) {
+TEST(Collisions, GapsEqualTheLeastDistanceOfSampledAxisPoints) {
   const Model arm = read_model(folding_path());
   const std::vector<Capsule> capsules = folding_capsules();
   RandomNumbers random(3);

@@ -173,7 +173,7 @@ TEST(Excitation, IsDesignedWithFrictionIfTheRobotFileHasNone) {
 }
 
 // A random motion with the same values and noise would leave twice the deviation and more.
-TEST(Excitation, RelativeDeviationsAreHalfOfThoseOfARandomMotion) {
+TEST(Excitation, RelativeDeviationsAreBelowHalfOfARandomMotions) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.iterations = 60;
@@ -220,7 +220,7 @@ TEST(Excitation, AnInterruptedSearchKeepsAMotionWithinTheLimits) {
 }
 
 // The regressor stacked and decomposed without any of the shortcuts.
-TEST(Excitation, ConditionNumberIsThatOfTheStackedScaledRegressor) {
+TEST(Excitation, ConditionNumberEqualsThatOfTheScaledRegressor) {
   const Model arm = sample_arms().at("spherical_RRP");
   const BaseRegressor regressor(arm);
   Random random(3);

@@ -99,7 +99,7 @@ TEST(Prediction, BaseParametersGiveTheTorquesOfTheArm) {
 }
 
 // The names that `identify` prints, in its order: one computation of base parameters.
-TEST(Prediction, ListsTheParametersOfAnIdentification) {
+TEST(Prediction, ListsTheSameBaseParametersAsAnIdentification) {
   ExcitationOptions options;
   options.solver = ExcitationSolver::kRandom;
   options.iterations = 1;

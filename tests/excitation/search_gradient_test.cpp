@@ -111,7 +111,7 @@ TEST_P(SearchGradient, OfTheRelativeDeviationsMatchesCentralDifferences) {
 
 // The criterion is what the prediction says, up to a factor that is the same for all motions; only
 // what is nearly nothing is taken relative to more than itself.
-TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
+TEST_P(SearchGradient, TheCriterionEqualsThePredictedDeviations) {
   const Search s(plausible_model(read_model("psm-3dof"), 2).arm);
   ExcitationOptions options;
   if (GetParam()) options.given = {recorded(s)};

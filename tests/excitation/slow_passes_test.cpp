@@ -99,7 +99,7 @@ TEST(SlowPasses, AreShortenedUntilOtherLimitsHold) {
   EXPECT_EQ(slow_passes(limits(), Eigen::Vector2d(0.3, 0.1), {0, 1}, 2, kRate, never).rows(), 0);
 }
 
-TEST(SlowPasses, FollowTheLastPeriodWithinItsLimits) {
+TEST(SlowPasses, AreAppendedAfterTheLastPeriodWithinLimits) {
   ExcitationOptions options;
   options.starts = 1;
   options.iterations = 10;

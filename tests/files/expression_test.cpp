@@ -32,7 +32,7 @@ TEST(Expression, TheLongestMatchingNameIsRead) {
   EXPECT_EQ(evaluate("E*1E3+e3*1e3", constants), 16000.0);
 }
 
-TEST(Expression, MistakesAreQuotedWithTheirReason) {
+TEST(Expression, InvalidExpressionsAreQuotedWithTheReason) {
   EXPECT_NE(reason("2*(3").find("'2*(3' ("), std::string::npos);
   EXPECT_NE(reason("").find("''"), std::string::npos);
   EXPECT_NE(reason("1, 2").find("several values"), std::string::npos);

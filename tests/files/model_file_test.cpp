@@ -86,7 +86,7 @@ TEST(ModelFile, OverridingAnUnknownConstantIsRefused) {
       "arm.yaml:1:1: found no constant 'hlaf' (did you mean 'half'?), expected one of: half, l.");
 }
 
-TEST(ModelFile, AWrittenOverrideKeepsItsValue) {
+TEST(ModelFile, AnOverriddenConstantIsKeptInTheWrittenFile) {
   ModelFileOptions options;
   options.constants["half"] = 0.3;
   const Model arm = read_yaml(to_yaml(read_yaml(kArm, "arm.yaml", options)), "again.yaml");

@@ -134,7 +134,7 @@ TEST_P(SimulatorFiles, MjcfIsReadBackAsTheArm) {
   }
 }
 
-TEST_P(SimulatorFiles, ConstantForcesComeBackFromMjcf) {
+TEST_P(SimulatorFiles, ConstantForcesSurviveAnMjcfRoundTrip) {
   ModelDescription d = plausible_model(read_model(GetParam()), 3).arm.description();
   d.effects.clear();
   for (std::size_t i = 0; i < d.coordinates.size(); ++i) {
@@ -183,7 +183,7 @@ TEST(ExportedEffects, NegativeDampingIsLeftOutAndReported) {
 }
 
 // A link called as a joint is gets another name in SDFormat, which no other link has.
-TEST(ExportedNames, OfLinksAreUniqueInSdf) {
+TEST(ExportedNames, OfSdfLinksAreUnique) {
   ModelDescription d = read_model("planar-2r").description();
   d.frames[0].name = "shoulder";
   d.frames[1].name = "shoulder_link";

@@ -186,7 +186,7 @@ TEST_F(UrdfFile, DampingAndFrictionAreWrittenSeparately) {
 }
 
 // A joint that follows another has friction of its own speed; one that does not move has none.
-TEST_F(UrdfFile, DampingActsOnTheSpeedOfItsJoint) {
+TEST_F(UrdfFile, DampingOfAMimicJointActsOnItsOwnSpeed) {
   std::string content = kGripper;
   const std::string mimic = "<mimic joint=\"alpha\" multiplier=\"-0.5\" offset=\"0.2\"/>", damping = "<dynamics damping=\"3\"/>";
   content.insert(content.find(mimic), damping);

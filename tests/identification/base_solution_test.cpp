@@ -141,7 +141,7 @@ TEST(TheBaseSolution, HasTheStandardDeviationOfTheJackknife) {
 
 // With independent noise both standard deviations mean the same: over many draws their squares have
 // one mean, and the solutions scatter as they say.
-TEST(TheBaseSolution, HasStandardDeviationsThatCoverTheErrors) {
+TEST(TheBaseSolution, StandardDeviationsCoverTheErrorsOverSeeds) {
   const int draws = 200;
   Eigen::Vector3d jackknife2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d white2 = Eigen::Vector3d::Zero();

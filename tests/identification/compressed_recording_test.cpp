@@ -86,7 +86,7 @@ TEST(ACompressedRecording, CountsTheRowsAfterDecimationAndDroppedEnds) {
   EXPECT_EQ(c.facts.samples, 4000);
 }
 
-TEST(ACompressedRecording, HasEightToSixteenBlocksHoweverLong) {
+TEST(ACompressedRecording, HasEightToSixteenBlocksForAnyLength) {
   const Model arm = robot("planar-2r");
   for (const double seconds : {12.0, 17.5, 18.0, 40.0, 150.0}) {
     const CompressedRecording c = compress(arm, synthetic_recording(arm, lasting(seconds)), {});
@@ -190,7 +190,7 @@ TEST(TheNoiseFloor, IsUnknownWithoutARepeatingMotion) {
 // --------------------------------------------------------------------------------------------------------
 
 // Without a filter the errors are sums over samples that anybody can form.
-TEST(PredictionErrors, AreThoseOfADirectComputation) {
+TEST(PredictionErrors, EqualADirectComputation) {
   const Model arm = robot("scara");
   PreprocessingOptions options = without_edges();
   options.cutoff = 0.0;
@@ -222,7 +222,7 @@ TEST(PredictionErrors, AreThoseOfADirectComputation) {
 
 // Both sides of the comparison go through the filter, all samples count and not only those kept for
 // the fit.
-TEST(PredictionErrors, AreThoseOfFilteredTorques) {
+TEST(PredictionErrors, EqualThoseOfFilteredTorques) {
   const Model arm = robot("scara");
   const PreprocessingOptions options = without_edges();
   const Recording clean = synthetic_recording(arm, lasting(22.0));

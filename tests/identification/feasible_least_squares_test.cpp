@@ -281,7 +281,7 @@ TEST(FeasibleLeastSquares, TheObjectiveDoesNotDependOnUnits) {
   EXPECT_NEAR(grams.objective, expected.objective, 3e-9 * expected.objective);
 }
 
-TEST(FeasibleLeastSquares, ScalesWithTheSumOfSquares) {
+TEST(FeasibleLeastSquares, TheObjectiveScalesWithTheSumOfSquares) {
   for (const double scale : {1e-6, 1e6}) {
     FeasibleProblem problem = random_problem({2, 3, 15, 2.0}, 9);
     const FeasibleResult expected = solve_feasible_least_squares(problem);

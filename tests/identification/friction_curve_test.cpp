@@ -46,7 +46,7 @@ TEST(FrictionCurves, AreTheSumOfTheEffectsWithTheirInterval) {
 // Where the model has the scatter over clusters, the parameters' errors are not independent: those of viscous and
 // Coulomb friction take each other off here. A parameter that the recordings tell in a combination alone has its
 // deviation, if that is known.
-TEST(FrictionCurves, HaveTheIntervalOfTheScatter) {
+TEST(FrictionCurves, HaveTheIntervalOfTheParameterScatter) {
   ModelDescription d = file();
   IdentifiedBase base;
   base.clusters = 3;

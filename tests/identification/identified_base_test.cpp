@@ -91,7 +91,7 @@ TEST(TheIdentifiedBase, IsKeptInAFileAndDroppedIfValuesChange) {
 }
 
 // Beyond kClustersKept the covariance is kept in another factor, no wider than it must be.
-TEST(TheIdentifiedBase, StaysSmallHoweverManyRecordings) {
+TEST(TheIdentifiedBase, SizeDoesNotGrowWithTheNumberOfRecordings) {
   std::vector<std::string> paths;
   for (unsigned k = 0; k < 16; ++k) {
     paths.push_back(testing::TempDir() + "identified_base_test_" + std::to_string(::getpid()) +

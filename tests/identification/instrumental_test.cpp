@@ -78,7 +78,7 @@ Model viscous_arm() {
   return Model(std::move(d));
 }
 
-TEST(Instruments, RemoveTheBiasOfANoisyVelocity) {
+TEST(Instruments, ReduceTheBiasOfANoisyVelocityToAThird) {
   const Model arm = viscous_arm();
   const Recording r = swings(arm, 1e-4, 0.5, 0.05, 3);
   const Identification ls = identify(arm, r, with(Method::kWls));

@@ -130,7 +130,7 @@ TEST(AStillJoint, IsAcceptedIfAllParametersAreDetermined) {
 }
 
 // Every joint that stands still is named, and the recordings are counted.
-TEST(StillJoints, AreNamedTogether) {
+TEST(StillJoints, AreReportedInOneSentence) {
   Recording r = recorded(planar());
   r.q.rowwise() = r.q.row(0).eval();
   r.dq.setZero();

@@ -99,7 +99,7 @@ class OutOfMemory : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(OutOfMemory, EndsTheWorkAndLeavesFilesWhole) {
+TEST_F(OutOfMemory, AnAllocationFailureLeavesNoPartialFile) {
   work();
   const std::string whole = bytes_of_file(output());
   const long before = allocations;

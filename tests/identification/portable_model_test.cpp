@@ -176,7 +176,7 @@ class GearedArm : public testing::Test {
   Model drawing_;
 };
 
-TEST_F(GearedArm, ExportedBodiesHaveTheMassOfTheDrawing) {
+TEST_F(GearedArm, ExportedBodiesHaveThePriorMassesAndTheSameTorques) {
   const Model model = identified();
   ASSERT_LT(least_eigenvalue(*model.inertial_values()), 0.0);
   const MatrixXd before = torques(model);

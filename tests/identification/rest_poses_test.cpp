@@ -130,7 +130,7 @@ TEST_F(Resting, WithoutApproachDirectionsNoFrictionLevelIsIdentified) {
 
 // The links of a SCARA that turn about the vertical have no weight in any torque: the solver leaves them near the solid
 // spheres that it begins with, whose moments of inertia are two fifths of mass times squared radius.
-TEST(RestingScara, UnobservedLinksStayNearTheInitialSolidSpheres) {
+TEST(RestingScara, UnobservedInertiasStayNearThoseOfTheInitialSpheres) {
   const Model truth = read_model("scara");
   ModelDescription unknown = truth.description();
   for (Frame& frame : unknown.frames)

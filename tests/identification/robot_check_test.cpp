@@ -204,7 +204,7 @@ TEST_F(AMistakenRecording, InDegreesAndMillimetresIsCorrectedByTheUnitsOptionFor
 }
 
 // What no question explains is said to be unexplained, and no sign or unit is blamed for it.
-TEST_F(AMistakenRecording, OfAnotherArmIsExplainedByNothing) {
+TEST_F(AMistakenRecording, WithTorquesOfAnotherMotionIsReportedAsUnexplained) {
   Recording r = recorded("elbow-6r", 12);
   r.tau = recorded("elbow-6r", 17).tau;
   EXPECT_EQ(findings(r), Names{"unexplained:0"}) << sentences_;
@@ -290,7 +290,7 @@ TEST_F(AMistakenRecording, WithOneTorqueInAnotherUnitIsCorrectedByTheUnitsOption
 }
 
 // Signs of single joints beside the unit of all: the options undo both.
-TEST_F(AMistakenRecording, InDegreesAndTheOtherWayRoundIsCorrectedByBothOptions) {
+TEST_F(AMistakenRecording, InDegreesAndReversedIsCorrectedByTwoOptions) {
   Recording r = recorded("elbow-6r", 35);
   for (MatrixXd* values : {&r.q, &r.dq}) {
     *values *= 180.0 / M_PI;
@@ -602,7 +602,7 @@ TEST_F(AMistakenRecording, WithLateTorquesIsNamedWithTheDelay) {
   EXPECT_NE(sentences_.find("before the motion"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithAClockOfItsOwnForTorquesIsNamed) {
+TEST_F(AMistakenRecording, WithAnotherClockForTorquesIsReported) {
   Recording r = recorded("elbow-6r", 22);
   shift_torques(r, [](double t) { return 0.985 * t; });  // 0.3 s late after 20 s
   EXPECT_EQ(findings(r), Names{"torque_clock:0"}) << sentences_;
@@ -620,7 +620,7 @@ TEST_F(AMistakenRecording, WithFilteredTorquesIsNamedWithTheCutOff) {
 }
 
 // An offset that steps, a load that is picked up, a sensor that fails: the rest of the recording is used.
-TEST_F(AMistakenRecording, InWhichSomethingChangesMidwayIsCorrectedByTheRowsOption) {
+TEST_F(AMistakenRecording, WithAChangeMidwayIsCorrectedByTheRowsOption) {
   const Recording sound = recorded("elbow-6r", 23);
   const int moment = 1240;  // of 2000 rows
   Recording stepped = sound, failed = sound, loaded = sound, late = sound;

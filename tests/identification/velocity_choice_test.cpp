@@ -51,7 +51,7 @@ TEST(VelocityChoice, ConsistentVelocitiesAreUsedAsRecorded) {
   EXPECT_TRUE(derived(recording()).empty());
 }
 
-TEST(VelocityChoice, ACoarseVelocityComesFromThePositionAndItsJointOnly) {
+TEST(VelocityChoice, OnlyTheJointWithACoarseVelocityUsesThePosition) {
   Recording r = recording();
   quantise(r, 1, 0.1);
   EXPECT_EQ(derived(r), std::vector<int>{1});
@@ -78,7 +78,7 @@ TEST(VelocityChoice, AWrongVelocityIsNotReportedAsAModelError) {
 
 // Published identifications filter the signals and take the velocity as it is; to compare with them
 // this must too.
-TEST(VelocityChoice, FilteredSignalsKeepTheRecordedVelocity) {
+TEST(VelocityChoice, WithFilteredSignalsTheRecordedVelocityIsUsed) {
   Recording r = recording();
   quantise(r, 1, 0.1);
   IdentificationOptions options;
@@ -88,7 +88,7 @@ TEST(VelocityChoice, FilteredSignalsKeepTheRecordedVelocity) {
   EXPECT_FALSE(identify(arm(), r, options).preprocessing.derive_velocity_of.empty());
 }
 
-TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
+TEST(VelocityChoice, AVelocityOfAnotherUnitIsReplacedByTheDerivedOne) {
   Recording r = recording();
   r.dq.col(0) *= 1.2;
   EXPECT_EQ(derived(r), std::vector<int>{0});

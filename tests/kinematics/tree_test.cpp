@@ -38,7 +38,7 @@ TEST_P(TreeOnEverySampleArm, EveryFrameIsALinkIfAllAreKept) {
     EXPECT_EQ(tree.link_of_frame[k], static_cast<int>(k));
 }
 
-TEST_P(TreeOnEverySampleArm, BodiesKeepTheirOrder) {
+TEST_P(TreeOnEverySampleArm, BodiesOfTheTreeAreInTheOrderOfTheModel) {
   const Tree tree(arm());
   ASSERT_EQ(tree.body_links.size(), arm().bodies().size());
   for (size_t b = 0; b < tree.body_links.size(); ++b) {

@@ -46,7 +46,7 @@ TEST(SingularValues, OfGradedAndSingularMatricesAreAccurate) {
   EXPECT_LT(singular_values(A)[29], 1e-15);
 }
 
-TEST(SingularValues, OfAnEmptyMatrixAreNone) {
+TEST(SingularValues, OfAnEmptyMatrixAreAnEmptyVector) {
   EXPECT_EQ(singular_values(MatrixXd(0, 0)).size(), 0);
   EXPECT_EQ(singular_values(MatrixXd::Zero(4, 4)), VectorXd::Zero(4));
   EXPECT_DOUBLE_EQ(singular_values(MatrixXd::Constant(1, 1, -3.0))[0], 3.0);

@@ -178,7 +178,7 @@ TEST(TheFactor, MergedWithItselfCountsEveryRowTwice) {
   EXPECT_TRUE(same(f, factor_of(twice, names(3))));
 }
 
-TEST(TheFactor, RestrictedIsTheFactorOfTheseColumns) {
+TEST(TheFactor, RestrictedToColumnsEqualsTheFactorOfTheseColumns) {
   Random random(8);
   const Rows p = random_rows(300, 6, random);
   const SquareRootInformation f = factor_of(p, names(6));
@@ -230,7 +230,7 @@ TEST(TheFactor, AddsUpFactorsOfAnyRowsAndColumns) {
   } while (std::next_permutation(order.begin() + 2, order.end()));
 }
 
-TEST(TheFactor, FollowsAChangeOfVariables) {
+TEST(TheFactor, ChangeOfVariablesEqualsTheFactorOfTransformedRows) {
   Random random(9);
   const Rows p = random_rows(100, 5, random);
   const SquareRootInformation f = factor_of(p, names(5));

@@ -134,7 +134,7 @@ TEST(TheZeroPhaseFilter, ResponseBeyondItsSettlingSamplesIsBelowTheRemainder) {
   }
 }
 
-TEST(TheZeroPhaseFilter, TreatsEveryColumnAlike) {
+TEST(TheZeroPhaseFilter, FiltersEveryColumnIndependently) {
   Random random(3);
   for (const int columns : {1, 7, 8, 9, 17}) {
     MatrixXd all(300, columns);

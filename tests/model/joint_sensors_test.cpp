@@ -20,7 +20,7 @@ Model wrong_arm() {
   return Model(std::move(d));
 }
 
-TEST(JointSensors, AddAndRemoveTheErrorsOfTheModel) {
+TEST(JointSensors, RemovingAddedErrorsRestoresTheTrueValues) {
   const JointSensors sensors(wrong_arm());
   const VectorXd true_q = Eigen::Vector3d(0.3, -0.2, 0.1);
   const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);

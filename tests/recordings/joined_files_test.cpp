@@ -83,7 +83,7 @@ TEST_F(Joined, FilesOfOneJointEachGiveOneRecordingInTheirOrder) {
   EXPECT_EQ(read_recording(path, some).rows(), 100);
 }
 
-TEST_F(Joined, JointNumbersFollowTheColumnsIfTheyDiffer) {
+TEST_F(Joined, JointNumbersAreThoseOfTheColumnsIfTheyDiffer) {
   expect_joints(read_recording(file("b.csv", 1, 2) + "+" + file("a.csv", 0, 1)), {0, 1});
 }
 

@@ -216,7 +216,7 @@ TEST_F(AWrongRow, WithAWrappedAngleIsUnwrapped) {
   EXPECT_LT((undeclared.q.bottomRows(kMendedRows - 1) - undeclared.q.topRows(kMendedRows - 1)).cwiseAbs().maxCoeff(), 2.0);
 }
 
-TEST_F(AWrongRow, OfABurstIsSpreadOverTheTimeSinceThePreviousBurst) {
+TEST_F(AWrongRow, OfABurstIsRetimedSinceThePreviousBurst) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k - k % 8 + 7] + 1e-4 * (k % 8 - 7)); });
   const Recording mended = read_again({});
@@ -227,7 +227,7 @@ TEST_F(AWrongRow, OfABurstIsSpreadOverTheTimeSinceThePreviousBurst) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, AfterAClockStepIsShiftedInTime) {
+TEST_F(AWrongRow, AfterAClockStepIsTimedContinuously) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k] - (k >= 600 ? 0.49 : 0.0)); });
   const Recording mended = read_again({});
@@ -283,7 +283,7 @@ TEST_F(AWrongRow, WithTruncatedTimesIsTimedByTheRateOption) {
   EXPECT_NEAR(spread.time[401], 1.0025, 1e-6);
 }
 
-TEST_F(AWrongRow, IsNotReportedForDates) {
+TEST_F(AWrongRow, IsNotReportedForTimesGivenAsDates) {
   const Recording r = smooth();
   for (const char* form : {"2024-02-29 23:59:%06.3f", "2024-02-29T23:59:%06.3fZ", "2024/02/29 23:59:%06.3f+01:00", "23:59:%06.3f"}) {
     write_times(r, [&](int k) {

@@ -101,7 +101,7 @@ TEST(ADamagedTable, IsReadOrRefused) {
 }
 
 // A comma behind a number's end is none of the number's.
-TEST(ADamagedTable, IsNamedWithItsPlace) {
+TEST(ADamagedTable, IsRefusedWithLineAndColumn) {
   try {
     read_probe("t;q1;q2\n0,0;0,1;0,2\n0,1;1 x,5;0,2\n0,2;0,1;0,2\n");
     FAIL();

@@ -268,7 +268,7 @@ TEST(ARecordingWithShiftedTime, GivesTheSameRegressorRows) {
 // ---- time
 // ----------------------------------------------------------------------------------------------------------
 
-TEST(IrregularTime, IsResampledOnTrueTime) {
+TEST(IrregularTime, IsResampledToEvenTime) {
   const Model arm = robot("scara");
   Random random(5);
   VectorXd time(6000);
@@ -340,7 +340,7 @@ TEST(Gaps, AreExcludedWithTheSamplesTheyAffect) {
 
 // A publisher that loses three rows of ten at random leaves holes of up to some rows, far shorter than
 // the waves that the filter lets through: nearly all samples count, at any rate.
-TEST(Gaps, OfRowsLostAtRandomLeaveNearlyAllSamples) {
+TEST(Gaps, OfRowsLostAtRandomExcludeFewSamples) {
   const Model arm = robot("planar-2r");
   std::mt19937 random(5);
   for (const double dt : {0.005, 0.001}) {
@@ -404,7 +404,7 @@ TEST(Edges, AreDroppedForAnyLengthAndFilter) {
   }
 }
 
-TEST(RowsOfAFile, AreThoseOfTheOptions) {
+TEST(RowsOfAFile, AreSelectedByTheOptions) {
   const Model arm = robot("planar-2r");
   struct Choice {
     long first, count;
@@ -500,7 +500,7 @@ TEST(Recordings, ThatDoNotFitTheArmAreRefused) {
   EXPECT_NE(refused(lines(even_time(1, 0.005), 2)).find("one row"), std::string::npos);
 }
 
-TEST(Decimation, KeepsARateOfFourTimesTheCutOff) {
+TEST(Decimation, RateStaysAtLeastFourTimesTheCutOff) {
   PreprocessingOptions o;
   o.cutoff = 5.0;
   EXPECT_EQ(decimation(o, 0.005), 10);

@@ -49,7 +49,7 @@ TEST(ACleanRecording, HasNoFindingButItsRate) {
   EXPECT_EQ(quality.severity(), Severity::kInfo);
 }
 
-TEST(ACleanRecording, StaysCleanWithoutVelocitiesOrWithoutTorques) {
+TEST(ACleanRecording, WithoutVelocitiesOrTorquesHasNoFinding) {
   Recording r = clean_recording();
   r.dq.resize(0, 0);
   expect_only(check_recording(r), {});
@@ -80,7 +80,7 @@ TEST(ARecording, ThatIsUnusableReportsTheReason) {
 
 // A simulated recording has neither noise nor quantisation, rests at both ends, and its torque is
 // smooth.
-TEST(ACleanRecording, StaysCleanWithoutAnyNoise) {
+TEST(ACleanRecording, WithoutNoiseHasNoFinding) {
   Recording r = clean_recording();
   for (int k = 0; k < kRows; ++k) {
     const double s =
@@ -100,7 +100,7 @@ TEST(ACleanRecording, StaysCleanWithoutAnyNoise) {
 
 // ---- one planted fault at a time: found, with its size, and nothing else
 
-TEST(AFault, StaleRowsAreCounted) {
+TEST(AFault, StaleRowsAreReportedWithTheirShare) {
   Recording r = clean_recording();
   int planted = 0;
   for (int k = 10; k < kRows; k += k % 3 == 0 ? 7 : 9, ++planted) {
@@ -115,7 +115,7 @@ TEST(AFault, StaleRowsAreCounted) {
   EXPECT_EQ(found(quality, "stale_rows").value, 1.0);
 }
 
-TEST(AFault, ASignalThatIsRefreshedAtHalfRateIsStale) {
+TEST(AFault, ASignalUpdatedAtHalfTheRateIsReportedAsStale) {
   Recording r = clean_recording();
   for (int k = 1; k < kRows; k += 2) r.tau(k, 1) = r.tau(k - 1, 1);
   const RecordingQuality quality = check_recording(r);
@@ -125,7 +125,7 @@ TEST(AFault, ASignalThatIsRefreshedAtHalfRateIsStale) {
   EXPECT_NEAR(found(quality, "stale_signal").share, 0.5, 0.02);
 }
 
-TEST(AFault, GapsAreCountedPerSignal) {
+TEST(AFault, GapsAreReportedWithJointAndShare) {
   Recording r = clean_recording();
   for (int k = 100; k < 160; ++k) r.tau(k, 2) = NAN;
   const RecordingQuality quality = check_recording(r);
@@ -135,7 +135,7 @@ TEST(AFault, GapsAreCountedPerSignal) {
   EXPECT_EQ(found(quality, "gaps").value, 60.0);
 }
 
-TEST(AFault, MissingRowsAreCounted) {
+TEST(AFault, MissingRowsAreReportedWithTheirNumber) {
   const Recording whole = clean_recording();
   Recording r = whole;
   r.time.tail(4000).array() += 25 / kRate;
@@ -169,7 +169,7 @@ TEST(AFault, ATorqueColumnThatHoldsAVelocityIsNamed) {
   EXPECT_NE(found(check_recording(r), "same_column").sentence.find("dq2 and tau2 hold the same numbers"), std::string::npos);
 }
 
-TEST(AFault, SwappedVelocitiesAreNamedWithTheJointsThatTheyAreOf) {
+TEST(AFault, SwappedVelocitiesAreReportedWithBothJoints) {
   Recording r = clean_recording();
   r.dq.col(0).swap(r.dq.col(2));
   const RecordingQuality quality = check_recording(r);
@@ -316,7 +316,7 @@ TEST(AFault, JumpsAreFoundWithSizeAndJoint) {
   }
 }
 
-TEST(AFault, AClippedTorqueIsSaturated) {
+TEST(AFault, AClippedTorqueIsReportedAsSaturated) {
   Recording r = clean_recording();
   const double limit = 0.6 * r.tau.col(0).maxCoeff();
   r.tau.col(0) = r.tau.col(0).cwiseMin(limit);
@@ -328,7 +328,7 @@ TEST(AFault, AClippedTorqueIsSaturated) {
 }
 
 // Into a limit that a slow torque reaches there is no step; two of one size give it away.
-TEST(AFault, ATorqueClippedAtSymmetricLimitsIsSaturated) {
+TEST(AFault, ATorqueClippedAtSymmetricLimitsIsReported) {
   Recording r = clean_recording();
   const VectorXd wave = (r.time.array() * 2.0).sin();
   r.tau.col(0) = wave.cwiseMin(0.8).cwiseMax(-0.8);
@@ -349,7 +349,7 @@ TEST(AFault, ATorqueClippedAtSymmetricLimitsIsSaturated) {
   }
 }
 
-TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
+TEST(AFault, ATorqueThatStaysAtZeroIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   r.tau.col(0) = (r.tau.col(0).array() - 0.6 * r.tau.col(0).maxCoeff()).cwiseMin(0.0);
   const RecordingQuality quality = check_recording(r);
@@ -359,7 +359,7 @@ TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
 }
 
 // Steps of a thirtieth of the range: the largest value is one of few, and no limit.
-TEST(AFault, ATorqueOfFewBitsIsNotSaturated) {
+TEST(AFault, ACoarselyQuantisedTorqueIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   for (int j = 0; j < kJoints; ++j) {
     const double step = (r.tau.col(j).maxCoeff() - r.tau.col(j).minCoeff()) / 32.0;
@@ -368,7 +368,7 @@ TEST(AFault, ATorqueOfFewBitsIsNotSaturated) {
   expect_only(check_recording(r), {});
 }
 
-TEST(AFault, RingingAtTheStartIsATransient) {
+TEST(AFault, RingingAtTheStartIsReportedAsATransient) {
   Recording r = clean_recording();
   for (int k = 0; r.time[k] < 0.6; ++k) r.tau(k, 1) += 3.0 * std::sin(60.0 * r.time[k]);
   const RecordingQuality quality = check_recording(r);
@@ -398,7 +398,7 @@ TEST(AFault, AVelocityFactorOnOneJointIsNotReportedAsTheClock) {
   EXPECT_NEAR(found(quality, "velocity_scale", 3).value, 1.12, 0.005);
 }
 
-TEST(AFault, AWrongSignOfVelocityIsNamed) {
+TEST(AFault, AReversedVelocitySignIsReportedWithItsJoint) {
   Recording r = clean_recording();
   r.dq.col(1) *= -1.0;
   const RecordingQuality quality = check_recording(r);
@@ -406,7 +406,7 @@ TEST(AFault, AWrongSignOfVelocityIsNamed) {
   EXPECT_EQ(found(quality, "velocity_sign").joint, 2);
 }
 
-TEST(AFault, AVelocityThatIsAnotherSignalIsNamed) {
+TEST(AFault, AVelocityColumnHoldingAnotherSignalIsReported) {
   Recording r = clean_recording();
   r.dq.col(1) = 1.7 * r.q.col(1);
   const RecordingQuality quality = check_recording(r);
@@ -430,7 +430,7 @@ TEST(AFault, DegreesAreRecognised) {
   EXPECT_GT(found(both, "degrees", 1).share, 0.5);
 }
 
-TEST(AFault, CoarseVelocityStepsAreMeasured) {
+TEST(AFault, CoarseVelocityStepsAreReportedWithTheirSize) {
   Recording r = clean_recording();
   const double step = 0.3;
   for (int k = 0; k < kRows; ++k) r.dq(k, 0) = step * std::round(r.dq(k, 0) / step);
@@ -441,7 +441,7 @@ TEST(AFault, CoarseVelocityStepsAreMeasured) {
 }
 
 // Eight values of a torque; 32 are none too few.
-TEST(AFault, CoarseTorqueStepsAreMeasured) {
+TEST(AFault, CoarseTorqueStepsAreReportedWithTheirSize) {
   for (const double levels : {8.0, 32.0}) {
     Recording r = clean_recording();
     const double step = (r.tau.col(1).maxCoeff() - r.tau.col(1).minCoeff()) / levels;
@@ -459,7 +459,7 @@ TEST(AFault, CoarseTorqueStepsAreMeasured) {
 }
 
 // White noise of 0.03 rad/s, where 1e-5 rad of noise in the position make 1.4e-3 rad/s.
-TEST(AFault, AVelocityNoisierThanItsPositionIsMeasured) {
+TEST(AFault, AVelocityNoisierThanItsPositionIsReported) {
   Recording r = clean_recording();
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -518,7 +518,7 @@ TEST(AFault, ZeroSignalsAreReported) {
 
 // A column of zeros beside a position that moves was not recorded. The noise of a resting joint, held at one
 // pose after the other, and poses a second apart are no motion.
-TEST(AFault, VelocitiesOfZeroBesideAMotionAreWrong) {
+TEST(AFault, ZeroVelocitiesDuringAMotionAreReported) {
   Recording r = clean_recording();
   r.dq.col(1).setZero();
   const RecordingQuality quality = check_recording(r);

@@ -95,7 +95,7 @@ TEST_F(AGoodFile, WordsForMissingValuesAreGaps) {
   EXPECT_THROW(read("t,q1\n0,nothing\n"), InvalidInput);
 }
 
-TEST_F(AGoodFile, ARowWithoutAnyNumberIsKeptAndItsTimeInterpolated) {
+TEST_F(AGoodFile, TheTimeOfARowWithoutNumbersIsInterpolated) {
   const Recording r = read("t,q1\n0,5\nnan,nan\n,\n3,8\nnan,\n");
   ASSERT_EQ(r.rows(), 4);
   EXPECT_NEAR(r.time[1], 1.0, 1e-15);
@@ -104,7 +104,7 @@ TEST_F(AGoodFile, ARowWithoutAnyNumberIsKeptAndItsTimeInterpolated) {
   EXPECT_EQ(r.q(3, 0), 8.0);
 }
 
-TEST_F(AGoodFile, AbsurdAndInfiniteNumbersAreValues) {
+TEST_F(AGoodFile, AbsurdAndInfiniteNumbersAreReadAsTheyAre) {
   const Recording r = read("t,q1,q2\n0,1e305,-inf\n1,1e999,1e-999\n2,0,0\n");
   EXPECT_EQ(r.q(0, 0), 1e305);
   EXPECT_EQ(r.q(0, 1), -INFINITY);
@@ -141,7 +141,7 @@ TEST_F(AGoodFile, WithoutAHeaderTheOptionsNameTheColumns) {
   EXPECT_THROW(read("0 1 11 2\n0.1 3 13 4\n", options), InvalidInput);
 }
 
-TEST_F(AGoodFile, SelectedRowsAreThoseOfTheWholeFile) {
+TEST_F(AGoodFile, SelectedRowsEqualThoseOfTheWholeFile) {
   std::string content = "t,q1\n";
   for (int k = 0; k < 100; ++k) content += text(k, ",", 2 * k, "\n");
   const Recording whole = read(content);

@@ -91,7 +91,7 @@ TEST(StaleRows, AreFilledInOnTheCubicThroughTheirNeighbours) {
 
 // Positions and velocities come by one message and efforts by another: after a stale row the
 // efforts are new while the positions are still old.
-TEST(StaleRows, EverySignalIsFilledInUpToItsOwnFirstNewValue) {
+TEST(StaleRows, EachSignalIsFilledInUntilItsNextNewValue) {
   const Recording truth = waves(400);
   Recording late = truth;
   repeat(late, 100, 3);

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(InfoJson, CoefficientsAreThoseOfTheBaseParameters) {
+TEST(InfoJson, CoefficientsEqualTheMatrixOfBaseParameters) {
   const RobotInfo info = robot_info(read_model("psm-3dof"));
   const json out = json::parse(to_json(info));
   for (int j = 0; j < info.base.size(); ++j) {

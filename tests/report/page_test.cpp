@@ -328,7 +328,7 @@ TEST(DiagnosisJson, SmallFindingsAreListedSeparatelyUnlessAllAreRequested) {
   }
 }
 
-TEST(DiagnosisPage, CrosstalkIsDrawnOverTheTorqueThatItComesFrom) {
+TEST(DiagnosisPage, CrosstalkIsPlottedOverTheTorqueOfItsSource) {
   Diagnosis d = diagnosis();
   EXPECT_EQ(series_of(to_page(d))["causes"], json({"q2"}));
   d.findings[0].cause = ChannelError{"torque_crosstalk", JointIndex{1}};

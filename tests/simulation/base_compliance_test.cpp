@@ -41,7 +41,7 @@ MotionSamples slow_waves(int rows, double dt, unsigned seed = 0) {
   return with_derivatives(m);
 }
 
-TEST(BaseCompliance, SurvivesARobotFileRoundTripAndAddsTwoStates) {
+TEST(BaseCompliance, IsKeptByARobotFileAndAddsTwoCoordinates) {
   const Model soft = on_soft_base(2e-4, 1e-4);
   ASSERT_EQ(soft.arm_effects().size(), 1U);
   EXPECT_DOUBLE_EQ(soft.arm_effects()[0].values.at("about_x"), 2e-4);

@@ -199,7 +199,7 @@ TEST(HiddenEffect, DefaultSizesAreATenthOfTheEffort) {
 
 // Rows at 4 Hz with 50 substeps against rows at 200 Hz: quintics through position, velocity and
 // acceleration of waves below 3 rad/s are right to (h / 2)^6 * 3^6 / 720 of 0.1 rad: 1e-6 rad.
-TEST(HiddenEffect, MemoryFollowsTheMotionBetweenRows) {
+TEST(HiddenEffect, HysteresisIsIntegratedBetweenRows) {
   const Model arm = read_model("planar-2r");
   const MotionSamples fine = waves(2);
   const auto coarse = Eigen::seqN(0, 41, 50);

@@ -41,7 +41,7 @@ struct InverseDynamics {
   std::vector<BoundEffect> effects;
 };
 
-TEST(Plant, InverseDynamicsOfItsMotionReturnTheTorque) {
+TEST(Plant, InverseDynamicsOfItsMotionReturnTheAppliedTorque) {
   for (const char* name : {"psm-3dof", "psm-wrist"}) {
     Model arm = robot(name);
     std::vector<EffectTerm> effects = arm.effects();

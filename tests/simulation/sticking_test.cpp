@@ -15,7 +15,7 @@ Model rough_slide(double level) {
 }
 
 // v = v0 - L t / m until it stands, after v0^2 m / (2 L); then for ever.
-TEST(Sticking, ASlidingBlockStopsWhereTheClosedFormSays) {
+TEST(Sticking, ASlidingBlockStopsAtTheClosedFormDistance) {
   const double level = 2.0;
   const Model arm = rough_slide(level);
   const double m = mass_of(arm);
@@ -156,7 +156,7 @@ TEST(Sticking, CoupledAxesBreakAwayAtTheBoundOfTheirSummedLevels) {
 }
 
 // Friction with memory: after a reversal the force follows Dahl's closed form over the way.
-TEST(Sticking, PreslidingFollowsItsClosedForm) {
+TEST(Sticking, PreslidingMotionFollowsItsClosedForm) {
   const double level = 0.5;
   const double distance = 1.5e-4;
   const Model arm = with_effects(

@@ -180,7 +180,7 @@ std::string parts_in_circles(const Parts& parts) {
   return out;
 }
 
-TEST(IncludeOrder, PartsOfAFolderHaveNoCycles) {
+TEST(IncludeOrder, PartsOfAFolderIncludeEachOtherWithoutCycles) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   Parts parts;
   for (const fs::path& top : {root / "include/veridyn", root / "src"}) {

@@ -99,7 +99,7 @@ TEST(CrtkArm, SensorErrorsOfTheModelAreCorrected) {
   }
 }
 
-TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
+TEST(CrtkArm, OperatingStatesFollowTheCrtkStateMachine) {
   Rig rig;
   EXPECT_EQ(rig.arm.state(), OperatingState::kDisabled);
   EXPECT_EQ(rig.execute_command(Kind::kPause), Refusal::kInvalidTransition);

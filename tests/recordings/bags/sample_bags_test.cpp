@@ -94,7 +94,7 @@ TEST(ABagOfTheCppWriter, HasNoTopicInItsInnerHeadersAndNoEfforts) {
 }
 
 // Two publishers on one topic, a stamp of zero, one that repeats, one message recorded early.
-TEST(ABagWithTwoPublishersOnATopic, KeepsTheirJointsApart) {
+TEST(ABagWithTwoPublishersOnATopic, JointsOfBothPublishersAreSeparate) {
   RecordingOptions options;
   options.signals.joints = {{"a1", false}, {"a2", false}, {"a3", false}};
   RecordingReader reader(sample("ros1_edge.bag"), options);

@@ -87,7 +87,7 @@ TEST(Capture, AnInvalidFileIsRefusedWithItsLineAndColumn) {
 }
 
 // A body's pose from its markers turns as the markers do.
-TEST(Capture, MarkersOfOneBodyGiveItsPose) {
+TEST(Capture, PoseOfABodyIsFoundFromItsMarkers) {
   const TemporaryFolder folder;
   const std::string path = folder.write(
       "markers.csv",

@@ -65,7 +65,7 @@ TEST(CalibrateCommand, AxisWritesAxesLinksAndAPage) {
   expect_faultless(page, 1200);
 }
 
-TEST(CalibrateCommand, AxisAnswersEveryRequestedPairOfAClosedLoop) {
+TEST(CalibrateCommand, AxisReportsEveryRequestedPairOfAClosedLoop) {
   const TemporaryFolder folder;
   std::vector<std::string> arguments = {"calibrate", "axis",
                                         folder.write("ladder.csv", marker_csv(captured_ladder(2, 300, 1e-4))),

@@ -79,7 +79,7 @@ TEST(Links, DerivativesOfTheChainMatchCentralDifferences) {
   }
 }
 
-TEST(Links, AWrongBetaIsFoundAndNamed) {
+TEST(Links, AWrongBetaIsIdentifiedAsTheOnlyError) {
   const Model truth = read_model("psm-3dof");
   const double beta = truth.description().constants.at("beta");
   const Model file = with_constant("psm-3dof", "beta", beta + kDegree);

@@ -82,7 +82,7 @@ class Torn final : public ForceSource {
   bool fresh_ = false;
 };
 
-TEST(ForceChannel, LostBytesGiveNoReadingBeyondTheRange) {
+TEST(ForceChannel, ReadingsTornByLostBytesAreRejectedByRangeAndJump) {
   for (const bool watched : {true, false}) {
     auto source = std::make_unique<Torn>(0.1);
     Torn& line = *source;

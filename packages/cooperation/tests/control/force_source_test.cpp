@@ -74,7 +74,7 @@ int poll_for(ForceSource& source) {
   return count;
 }
 
-TEST(SerialLine, ReadsThroughNoiseAndNoticesAnUnpluggedDevice) {
+TEST(SerialLine, FramesBetweenGarbageAreReadAndAnUnpluggedDeviceIsDetected) {
   Terminal line;
   if (!line.exists()) GTEST_SKIP() << "no pseudo-terminal on this machine";
   const std::unique_ptr<ForceSource> source =

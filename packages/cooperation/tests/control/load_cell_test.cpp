@@ -31,7 +31,7 @@ TEST(LoadCell, TheCrcMatchesItsPublishedCheckValue) {
   EXPECT_EQ(crc16(reinterpret_cast<const std::uint8_t*>("123456789"), 9), 0x29B1);
 }
 
-TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
+TEST(LoadCell, TextLinesOfCommonConvertersAreRead) {
   LoadCellDecoder decoder(LoadCellFormat::kText);
   std::vector<double> got;
   readings_of(decoder, "cut 5\nHX711 reading: 8388607\r\n-12.5\n0.1,512\nHX711\n\x01\x02 7\n1e3\n", got);

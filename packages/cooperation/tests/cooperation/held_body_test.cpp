@@ -141,7 +141,7 @@ TEST(HeldBody, AHeldObjectOfKnownInertiaDeviatesLessThanOneMillimetre) {
 }
 
 // A mass that is known to within a tenth leaves a tenth of the sag.
-TEST(HeldBody, AWrongMassCausesASmallSag) {
+TEST(HeldBody, AMassErrorOfATenthCausesADeviationBelowTwoMillimetres) {
   const Carried off = Carrying(0.45).run();
   ASSERT_TRUE(off.sound);
   EXPECT_LT(off.largest_error, 1.5e-3);

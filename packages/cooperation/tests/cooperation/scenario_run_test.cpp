@@ -82,7 +82,7 @@ TEST(ScenarioRun, PositionBasedTrackingOscillatesOnlyWithANarrowDeadband) {
 
 // Half of the friction is known: after ten strokes, and from then on, the tip is within 10 % as near
 // to its way as with all of it. Without the observer of model errors, which would hide friction.
-TEST(ScenarioRun, HalfKnownFrictionIsEstimatedInTenStrokes) {
+TEST(ScenarioRun, AdaptiveFrictionReachesFullCompensationAfterTenStrokes) {
   const auto later_strokes = [](double friction, bool adaptive) {
     Scenario s = example("adaptive-friction");
     s.control.friction = friction;
@@ -113,7 +113,7 @@ TEST(ScenarioRun, TheGazeboExampleMeetsItsBounds) {
   expect_met(run_scenario(example("gazebo-y")));
 }
 
-TEST(ScenarioRun, ThreeArmsKeepTheirForceWhileOneRegrasps) {
+TEST(ScenarioRun, TheRegraspExampleTracksTheForceOfTheOtherMember) {
   const ScenarioRun run = run_scenario(example("three-arms-regrasp"));
   expect_met(run);
   const PhaseFigures& regrasp = phase(run, "regrasp");
@@ -219,7 +219,7 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
 }
 
 // The final figures of a phase are those of its last row and its last fifth, not of the phase before or after.
-TEST(ScenarioRun, FinalFiguresOfAPhaseAreThoseOfItsLastRows) {
+TEST(ScenarioRun, FinalFiguresOfAPhaseUseItsLastFifthOfRows) {
   const Scenario s = example("two-arms-spring");
   const ScenarioRun run = run_scenario(s);
   const ArmTrace& leader = run.arm[s.master];

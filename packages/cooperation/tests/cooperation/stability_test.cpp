@@ -163,7 +163,7 @@ TEST(Stability, TheSpectralRadiusCrossesOneAtTheStatedMargins) {
 }
 
 // Thesis 7.7.3, figure 7.10: a deadband of 0.2 N swings, 0.4 N does not.
-TEST(Stability, TheDeadbandsOfTheThesisOscillateAsPublished) {
+TEST(Stability, ADeadbandOfOneFifthNewtonOscillatesAndOfTwoFifthsDoesNot) {
   const StabilityAnalysis narrow = analyse_stability(example("position-limit-cycle"));
   const StabilityAnalysis wide = analyse_stability(example("position-stable"));
   ASSERT_EQ(narrow.deadbands.size(), 1U);
@@ -371,7 +371,7 @@ TEST(Stability, ReplacedSensorRatesAreReported) {
 }
 
 // Where no stiffness below the scenario's own is stable the ones above are searched; if there is none at all, this is reported.
-TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
+TEST(Stability, TheSearchFindsStableStiffnessesAboveTheScenarios) {
   Scenario s = example("gazebo-y");
   s.control.force_cutoff = 106.0;
   s = with_parameter(with_parameter(s, "delay", 0.00716), "stiffness", 3.0);

@@ -464,7 +464,7 @@ BoardCooperationOptions refusal_options(Lines& lines, std::vector<std::string>& 
 }
 
 // As lines they are refused one by one, and nothing moves; feasible lines between them are executed.
-TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
+TEST(BoardCooperation, InfeasibleCommandsAreRefusedWithoutMotion) {
   const Scenario scenario = board_example("two-psm-spring");
   std::vector<std::string> words{"force spring 2 0.8", "wait 1"};
   for (const Infeasible& one : kInfeasible) words.push_back(one.line);

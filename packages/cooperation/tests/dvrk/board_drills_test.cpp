@@ -41,7 +41,7 @@ class BoardDrills : public testing::TestWithParam<Drill> {
   }
 };
 
-TEST_P(BoardDrills, AFaultHoldsThenReleasesThenSwitchesOff) {
+TEST_P(BoardDrills, AfterAFaultArmsHoldThenReleaseThenSwitchOff) {
   const Drill& drill = GetParam();
   for (const int arm : {0, 1}) {
     SCOPED_TRACE(arm == 0 ? "master" : "slave");
@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Drill{Kind::kJump, "a position that jumped", 0.01}));
 
 // Sensors fail as in the scenario: all arms stop, since forces are unknown, and power is switched off.
-TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
+TEST(BoardDrills, AFailedForceSensorEndsTheRunWithPowerOff) {
   for (const auto kind : {ScenarioFault::Kind::kSensorStale, ScenarioFault::Kind::kSensorStuck}) {
     Scenario s = board_example("two-psm-spring");
     s.phases.resize(2);
@@ -99,7 +99,7 @@ TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
 
 // A sensor that is suddenly off by 2 N while the spring keeps its length: nothing but the sensor has
 // changed. Without the check of jumps the loop would use it.
-TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
+TEST(BoardDrills, AForceSensorJumpIsDetectedWithin10Milliseconds) {
   Scenario s = board_example("two-psm-spring");
   s.phases.resize(1);
   ScenarioFault fault;

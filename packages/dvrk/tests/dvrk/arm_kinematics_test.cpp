@@ -283,7 +283,7 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
 }
 
 // Angles of more than a turn: the turn nearest to where the arm is, unless it is out of range.
-TEST(ArmKinematics, WholeTurnsAreWrappedIntoTheRange) {
+TEST(ArmKinematics, SolutionsAreShiftedByWholeTurnsIntoTheRange) {
   const JointRanges<6> ranges(read_arm("PSM1"));  // roll: 272 degrees either way
   using Joints = PsmKinematics::Joints;
   const double limit = ranges.upper[3];

@@ -74,7 +74,7 @@ TEST_F(ArmRun, ABrakeOpensBeforeTheMotion) {
   EXPECT_NEAR(emulator_.board(0).dac(2), 32768, 1);  // engaged again
 }
 
-TEST_F(ArmRun, TrackingErrorsHaveTheUnitOfTheirJoint) {
+TEST_F(ArmRun, TrackingErrorLimitsDependOnTheJointType) {
   RobotConfig robot = planar_config();
   robot.actuators[1].prismatic = true;
   const VectorXd errors = default_largest_errors(robot);

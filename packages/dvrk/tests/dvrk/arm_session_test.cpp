@@ -22,7 +22,7 @@ struct ArmCase {
 class OnEveryHomedArm : public testing::TestWithParam<ArmCase> {};
 
 // From pots to encoders to joints: the arm's position is known to a bit of the pots and a count.
-TEST_P(OnEveryHomedArm, HomingFindsThePositionOfTheArm) {
+TEST_P(OnEveryHomedArm, HomingFindsTheActualJointPositions) {
   const ArmFacts facts = read_arm(GetParam().arm);
   const RobotConfig robot = nominal_config(facts).robots.at(0);
   const MatrixXd K = facts.coupling(GetParam().instrument);
@@ -167,7 +167,7 @@ TEST(ArmSession, BrakesOpenBeforeTheArmMoves) {
   EXPECT_EQ(bench.load.brake_bits[0], 0.0);
 }
 
-TEST(BrakeDriver, ReleasesWithFullCurrentHoldsWithLessAndEngagesAtOnce) {
+TEST(BrakeDriver, CurrentIsReducedAfterTheReleaseTime) {
   BrakeConfig config;
   config.release_current = 0.9;
   config.release_time = 2.0;

@@ -61,7 +61,7 @@ class OnEveryCoupling : public testing::TestWithParam<CoupledArm> {
 
 // Power is the same in actuators and joints, whatever they do: dq . tau. Position and torque
 // therefore go by one matrix and its inverse transposed.
-TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
+TEST_P(OnEveryCoupling, PowerIsEqualInJointsAndActuators) {
   ArmUnits units(robot, K);
   Random random(5);
   std::vector<RawActuator> raw(n);

@@ -49,7 +49,7 @@ BusOptions both_boards() {
 }
 
 // Section 19.1: the datagrams that the laboratory's host sends at its start.
-TEST(BoardBus, StartsASessionWithTheBytesOfTheLaboratorysHost) {
+TEST(BoardBus, StartSendsTheDatagramsOfTheDvrkHostSoftware) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink link(emulator);
   Witness witness(link);
@@ -200,7 +200,7 @@ TEST(BoardBus, UnsupportedBoardsAreRefusedByName) {
   EXPECT_EQ(refusal(all, many), "");
 }
 
-TEST(BoardBus, MixedFirmwareIsReadBoardByBoard) {
+TEST(BoardBus, BoardsOfMixedFirmwareAreReadOneByOne) {
   Rig rig(CycleProtocol::kAutomatic, {Rig::setup(6, 7), Rig::setup(7, 8)});
   ASSERT_TRUE(rig.bring_up()) << rig.session.faults().report();
   EXPECT_EQ(rig.session.bus().protocol(), CycleProtocol::kSequential);

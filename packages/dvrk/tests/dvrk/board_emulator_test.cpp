@@ -187,7 +187,7 @@ TEST(BoardEmulator, AStaleGenerationAnswersReadsWithAnErrorAndDropsWrites) {
   EXPECT_EQ(bench.status(0).board(), 7);  // nodes have changed places
 }
 
-TEST(BoardEmulator, WatchdogTripsByTimeAndStaysUntilEnabled) {
+TEST(BoardEmulator, WatchdogTripsAfterItsTimeAndLatchesUntilEnabled) {
   EmulatorBench bench;
   bench.bring_up(0x8100);
   EXPECT_TRUE(bench.emulator.board(0).amp_on(0));

@@ -225,7 +225,7 @@ TEST(BoardSession, PowerIsRefusedWithItsReason) {
 }
 
 // Its encoders have lost their loaded counts. Soon after the restart no real-time word shows it.
-TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
+TEST(BoardSession, ARestartedBoardIsDetectedBeforeAmplifiersAreEnabled) {
   for (int b = 0; b < 2; ++b) {
     Rig rig;
     rig.session.start();

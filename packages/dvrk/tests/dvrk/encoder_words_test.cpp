@@ -34,7 +34,7 @@ TEST(EncoderWords, DecodedMotionEqualsThatOfTheDvrkHostSoftware) {
 
 // An encoder under constant acceleration, edge times computed here: the prediction is the true
 // speed now, while the mean over the last period is late.
-TEST(EncoderWords, PredictionFollowsConstantAcceleration) {
+TEST(EncoderWords, PredictedVelocityIsExactUnderConstantAcceleration) {
   const double start = 3000.0, acceleration = 40000.0;  // counts/s, counts/s^2
   const auto edge_time = [&](int k) {                   // x(t) = k for v0 t + a t^2 / 2
     return (std::sqrt(start * start + 2.0 * acceleration * k) - start) / acceleration;
@@ -83,7 +83,7 @@ TEST(EncoderWords, TheWordsAtPowerUpDecodeToRestAtCountZero) {
 }
 
 // Numbers of specification 12.
-TEST(Analog, NominalConversionsAreThoseOfTheBoard) {
+TEST(Analog, NominalConversionsHaveTheNumbersOfTheSpecification) {
   EXPECT_NEAR(kNominalAmpsToBits.scale, 5242.88, 1e-9);
   EXPECT_NEAR(kNominalAmpsToBits(1.0), 38010.88, 1e-9);
   EXPECT_NEAR(kNominalBitsToAmps(0x8000), 0.0, 1e-15);

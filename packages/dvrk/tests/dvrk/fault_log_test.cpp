@@ -47,7 +47,7 @@ TEST(FaultLog, ConditionNumbersAreThoseOfTheSpecification) {
 }
 
 // The largest unplanned part gives the gap its reason; of the system's two parts the larger is named.
-TEST(LoopTiming, TheReasonOfAGapIsItsLargestPart) {
+TEST(LoopTiming, ALateCycleIsAttributedToItsLargestUnplannedPart) {
   const struct {
     WriteGap gap;
     LateReason reason;

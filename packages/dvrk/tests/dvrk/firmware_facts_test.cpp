@@ -69,7 +69,7 @@ TEST(Trailer, OfAnUnforwardedPacketIsNotTakenForABusReset) {
 }
 
 // Rev 7 shows commands in registers alone: a board that ignores real-time writes is found there.
-TEST(Rev7, LostWritesAreCounted) {
+TEST(Rev7, ABoardThatIgnoresWritesIsDetected) {
   for (const bool ignores : {true, false}) {
     Rig rig(CycleProtocol::kAutomatic, {Rig::setup(6, 7), Rig::setup(7, 7)});
     ASSERT_TRUE(rig.bring_up());
@@ -122,7 +122,7 @@ TEST(Causes, AWrongBoardAndABusResetAreDistinguished) {
 
 // Without FireWire a node is its board's id, nothing is forwarded, and "all" is a group (section
 // 8.5): a session comes up, drives both boards and goes down.
-TEST(EthernetOnly, ASessionDrivesBoardsOfFpgaV3) {
+TEST(EthernetOnly, ASessionWithoutFirewireDrivesFpgaV3Boards) {
   for (const CycleProtocol protocol : {CycleProtocol::kAutomatic, CycleProtocol::kSequential}) {
     Rig rig(protocol, {Rig::setup(6, 9), Rig::setup(7, 9)});
     rig.emulator.without_firewire();

@@ -160,7 +160,7 @@ TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
 }
 
 // Rows of a coupling have as many numbers as there are actuators, in either format.
-TEST(IoConfig, RowsOfACouplingHaveANumberForEachActuator) {
+TEST(IoConfig, ACouplingMatrixOfTheWrongSizeIsRefused) {
   const IoConfig config = nominal_config(read_arm("MTMR"));
   const struct {
     bool json;

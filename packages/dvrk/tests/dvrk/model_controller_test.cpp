@@ -148,7 +148,7 @@ TEST(ModelController, AnEncoderZeroInTheModelIsCorrectedInTheMotion) {
 }
 
 // The torque of gravity at the true place, as the drives count it; without that the arm sinks.
-TEST(ModelController, AWeightlessArmWithWrongSensorsStaysWhereItIs) {
+TEST(ModelController, GravityCompensationHoldsAnArmWhoseSensorErrorsAreModelled) {
   for (const bool knows : {true, false}) {
     Trial trial(ControlLaw::kGravity, knows ? with_wrong_shoulder() : read_model("planar-2r"));
     trial.bench.load.set_sensors(JointSensors(with_wrong_shoulder()));

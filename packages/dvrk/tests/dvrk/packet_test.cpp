@@ -35,7 +35,7 @@ const std::string& hex(const char* section, const char* name) {
   return vector_named(section, name).hex;
 }
 
-TEST(Crc, MatchesKnownValues) {
+TEST(Crc, EqualsKnownCheckValues) {
   const Bytes digits = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   EXPECT_EQ(crc32(view(digits)), 0xFC891918U);
   EXPECT_EQ(crc32(view(Bytes(16, 0))), 0xAAD2DD37U);
@@ -268,7 +268,7 @@ TEST(Commands, Rev7AppliesTheControlWordOnlyIfAllFourIdsMatch) {
   EXPECT_TRUE(command.channel[1].valid);
 }
 
-TEST(Sizes, ABroadcastReadOfManyBoardsHasTheSizeOfTheSpecification) {
+TEST(Sizes, BroadcastReadsOfUpToTenBoardsFitOneEthernetFrame) {
   const auto bytes = [](int boards, int firmware) {
     return 4 * (static_cast<std::size_t>(boards) * hub_quadlets(firmware) + 1);
   };
@@ -314,7 +314,7 @@ TEST(HubHeaders, AnswerOnlyAQueryOfTheirOwnSequenceNumber) {
 }
 
 // Words beyond a firmware's block belong to the next block.
-TEST(Feedback, HasOnlyTheWordsOfItsFirmware) {
+TEST(Feedback, OnlyWordsOfItsFirmwareVersionAreDecoded) {
   std::array<std::uint8_t, 4 * 32> bytes{};
   bytes.fill(0xA5);
   const QuadletView block({bytes.data(), bytes.size()});

@@ -182,7 +182,7 @@ TEST(PsmDrills, AGapInTheRepliesEndsTheRun) {
 }
 
 // 0.3 degrees in one cycle is what a joint makes at 8 rad/s; its limit is 2.
-TEST(PsmDrills, APositionThatJumpsIsNoticedInOneCycle) {
+TEST(PsmDrills, APositionJumpSwitchesOffWithinThreeCycles) {
   for (const double degrees : {0.3, -0.3, 5.0}) {
     for (const double at : {kFrom, 5.7, 6.3}) {
       Psm psm;

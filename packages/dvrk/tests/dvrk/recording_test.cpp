@@ -134,7 +134,7 @@ TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
 }
 
 // A link to a file stays one.
-TEST(RowFile, SymbolicLinksAreFollowed) {
+TEST(RowFile, ASymbolicLinkIsKeptAndItsTargetWritten) {
   const auto folder = std::filesystem::temp_directory_path() / ("veridyn-linked-" + std::to_string(::getpid()));
   std::filesystem::create_directory(folder);
   const std::string path = (folder / "link.csv").string(), target = (folder / "target.csv").string();

@@ -26,7 +26,7 @@ TEST(RunJson, StatesWhetherPowerOffWasConfirmed) {
   }
 }
 
-TEST(RunJson, FaultsHaveTheirNumberAndTheirPlace) {
+TEST(RunJson, FaultsHaveConditionNumberBoardAndChannel) {
   FaultLog faults;
   faults.note(Condition::kRelayOpen, 1.5, 1, 2);
   faults.note(Condition::kRelayOpen, 2.5, 1, 2);
