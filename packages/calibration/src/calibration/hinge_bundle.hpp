@@ -18,8 +18,6 @@ namespace veridyn::internal {
 /// with the hinges from the root to its body. G_k moves the root, or is the identity if the root rests. A
 /// hinge that closes a loop has its own line, which at every frame has to be the same through either of its
 /// bodies, within its play.
-/// rests. A hinge that closes a loop has a line of its own, which at every frame is the same one
-/// through either of its bodies, within its play.
 class HingeBundle {
  public:
   HingeBundle(const MarkerCapture& capture, const std::vector<RigidBody>& bodies,
@@ -78,7 +76,7 @@ class HingeBundle {
   void reject_outliers();
   void finish();
   double closure_leverage(const Observation& o, int frame) const;
-  enum class Spread { kRobust, kMeanSquare };  // of a loop's gaps; the first one tolerates outliers
+  enum class Spread { kRobust, kMeanSquare };  // estimator of the spread of a loop's gaps; kRobust tolerates outliers
   bool estimate_play(Spread spread);
   void close_loops();
   int hinge_of(int body) const;
@@ -90,11 +88,11 @@ class HingeBundle {
   std::string reason_;
   std::vector<int> frames_;  // frames of the capture; the reference comes first
   std::vector<Line> start_;
-  std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // across each start
+  std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // two unit vectors across each initial line
   std::vector<Eigen::Isometry3d> root_start_;       // by used frame
   LeastSquares problem_;
   std::vector<int> hinge_unknown_;
-  std::vector<int> frame_unknown_;                 // -1: the reference
+  std::vector<int> frame_unknown_;                 // by used frame: its block of unknowns; -1: the reference
   std::vector<std::vector<int>> marker_unknown_;   // by body of the tree, by marker
   std::vector<Seen> seen_;  // by observation
   struct Closed {

@@ -188,7 +188,7 @@ class Cooperation {
     }
   }
 
-  // Splits "t=1.200 state="tracks" master=x,y,z spring=5.0" into topics.
+  // Publishes the part after the quoted state of `t=1.200 state="tracks" master=x,y,z spring=5.0` as topics.
   void publish_state(const std::string& line) {
     std_msgs::String whole;
     whole.data = line;

@@ -37,9 +37,9 @@ struct RemoteCenter {
   double condition = 0.0;  ///< condition number of (A.10): largest over smallest singular value
   /// [deg] rms rotation about the principal axes of the motion, smallest first
   Eigen::Vector3d swing{0, 0, 0};
-  double position_noise = 0.0;     ///< [m] of one coordinate, estimated from the frames
+  double position_noise = 0.0;     ///< [m] standard deviation of one coordinate, estimated from the frames
   double orientation_noise = 0.0;  ///< [rad] likewise, about one axis
-  double correlation = 1.0;        ///< frames per independent frame
+  double correlation = 1.0;        ///< number of successive frames that count as one independent frame
   std::vector<Eigen::Vector3d> points;   ///< rcm computed from each single frame
   std::vector<char> is_outlier;          ///< by frame
   std::vector<Eigen::Isometry3d> poses;  ///< poses to which it was fitted

@@ -6,8 +6,8 @@
 namespace veridyn::internal {
 
 struct LinkNoise {
-  double position = 1e-3;  ///< [m] of one coordinate
-  double angle = 1e-2;     ///< [rad] about one axis
+  double position = 1e-3;  ///< [m] standard deviation of one coordinate
+  double angle = 1e-2;     ///< [rad] standard deviation about one axis
 };
 
 /// Poses of a fit, with their weights.

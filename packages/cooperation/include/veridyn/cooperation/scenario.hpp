@@ -85,10 +85,10 @@ struct ScenarioBody {
 struct ScenarioCommand {
   enum class Kind { kMove, kTurn, kTighten, kForce, kMoveArm, kRelease, kTake };
   Kind kind = Kind::kMove;
-  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] or [rad]
-  double amount = 0.0;                 ///< [m] or [N]
+  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< displacement [m], or rotation [rad] of kTurn
+  double amount = 0.0;                 ///< [m] of kTighten, [N] of kForce
   int arm = 0, member = 0;  ///< arm or member that it concerns
-  double over = 0.0;  ///< [s]
+  double over = 0.0;  ///< [s] duration of the motion or change of force
 };
 
 struct ScenarioPhase {
@@ -104,7 +104,7 @@ struct ScenarioFault {
   enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump, kSensorDrift };
   Kind kind = Kind::kArmLimp;
   std::optional<int> arm = {}, member = {};  ///< the arm, or the member whose sensor fails; exactly one is set
-  double at = 0.0;        ///< [s]
+  double at = 0.0;        ///< [s] time of the fault since the start
   double by = 0.0;        ///< [N] of kSensorJump, [N/s] of kSensorDrift
   bool reported = false;  ///< the controller is informed of the failed arm
 };

@@ -14,8 +14,8 @@ namespace veridyn {
 struct ArmTrace {
   MatrixXd q, dq, tau;
   MatrixXd tip;     ///< [m] in the world, true
-  MatrixXd motion;  ///< x_d
-  MatrixXd target;  ///< x_t
+  MatrixXd motion;  ///< [m] x_d: reference of the motion alone, see TipTarget
+  MatrixXd target;  ///< [m] x_t: the same with the correction of the force loops
 };
 
 /// One member over time, (rows) each.
@@ -23,7 +23,7 @@ struct MemberTrace {
   VectorXd wanted;    ///< h_d [N]; 0 while the member is released
   VectorXd force;     ///< true tension [N]
   VectorXd measured;  ///< [N] by the sensor
-  VectorXd x_f;       ///< [m]
+  VectorXd x_f;       ///< [m] correction of the force loop
   VectorXd rate;      ///< dl/dt, true [m/s]; NaN on real boards, where nothing measures it
   VectorXd tracked;   ///< 1 where the member is held and its force is tracked
   MatrixXd axes;      ///< (rows x 3) [N] on the tip, in the world, by a sensor with three axes; else empty
@@ -41,9 +41,9 @@ struct MemberFigures {
   double wanted = 0.0;         ///< [N] at the phase's end
   double largest_error = 0.0;  ///< [N] of the true force from h_d, at any time of the phase
   double rms_error = 0.0;      ///< [N]
-  double steady_error = 0.0;   ///< [N] largest in the phase's last fifth
-  double mean_error = 0.0;     ///< [N] mean there
-  double overshoot = 0.0;      ///< [N] beyond the new h_d, where the phase changes it
+  double steady_error = 0.0;   ///< [N] largest |force - h_d| in the phase's last fifth
+  double mean_error = 0.0;     ///< [N] mean of force - h_d in the last fifth
+  double overshoot = 0.0;      ///< [N] largest force beyond the new h_d if the phase changes h_d
   double oscillation = 0.0;    ///< [N] from least to largest force in the last fifth
   int corrections = 0;         ///< samples of the last fifth in which x_f changed
   double generated = 0.0;      ///< [J] see PassivityMonitor, after the phase's commands have ended;

@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPollPeriod = 0.001;  // [s]
+constexpr double kPollPeriod = 0.001;  // [s] between two polls of the source
 
 struct LoadcellRequest {
   std::string readings, source, output, calibration;

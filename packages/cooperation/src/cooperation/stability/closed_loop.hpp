@@ -44,8 +44,8 @@ struct CycleRow {
 /// same order as in Experiment::step(). Between cycles the arms and the object move by the matrix exponential
 /// of their equations.
 ///
-/// Sensors that are slower than the loop make it periodic: hyperperiod() cycles repeat, as
-/// sample_pattern() has it.
+/// Sensors that are slower than the loop make it periodic with hyperperiod() cycles, the length of the
+/// pattern of sample_pattern().
 class ClosedLoop {
  public:
   ClosedLoop(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings);
@@ -83,7 +83,7 @@ class ClosedLoop {
 
  private:
   struct Arm {
-    int q = 0;         // first row of positions; velocities lie joints_ below
+    int q = 0;         // first row of positions in the state; velocities follow joints_ rows later
     int n = 0;
     int observer = 0;  // first row of qh, vh, y, d
     std::optional<int> motor = {};  // first row of the lagging torque
@@ -120,7 +120,7 @@ class ClosedLoop {
   LoopSettings settings_;
   std::vector<Arm> arm_;
   std::vector<Element> element_;
-  MatrixXd transition_, input_;  // of all joints over one cycle
+  MatrixXd transition_, input_;  // of positions and velocities of all joints over one cycle
   double period_ = 1e-3;
   double p_ = 0.0;                    // pole of the velocity observer
   double observer_ = 0.0;             // [1/s]

@@ -33,7 +33,7 @@ bool has_increments(const Scenario& s) {
   });
 }
 
-// Modulus per cycle; also above one if an incremental law never comes to rest.
+// Spectral radius per cycle; it is also above one if an incremental force law never comes to rest.
 double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
   const double linear = loop_radius(point.loop, scenario);
   if (linear > kUnstable || !has_increments(scenario)) return linear;

@@ -140,8 +140,8 @@ class BoardLoop {
 
   struct Watched {
     Eigen::Vector3d from{Eigen::Vector3d::Zero()};
-    double moved = 0.0, at_fault = 0.0;  // [m], share of the velocity limits
-    std::optional<double> rest, off;     // [s]
+    double moved = 0.0, at_fault = 0.0;  // [m] displacement; speed at the fault as a share of the velocity limits
+    std::optional<double> rest, off;     // [s] from the fault to rest; time of power-off
     bool known = true, began = false;
   };
   struct Later {
@@ -154,7 +154,7 @@ class BoardLoop {
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
   bool neighbours_explain_force(std::size_t k) const noexcept;
   std::vector<Watched> watched_;
-  std::vector<Later> later_;  // memory is reserved
+  std::vector<Later> later_;  // reserved in the constructor: the loop does not allocate
 };
 
 }  // namespace veridyn::dvrk

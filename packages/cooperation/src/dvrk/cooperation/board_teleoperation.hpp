@@ -14,9 +14,9 @@ namespace veridyn::dvrk {
 struct TeleoperationRun {
   std::string name;
   std::vector<std::string> phases;      ///< names; the following have one entry for each
-  /// [m] of the follower from s R (leader's displacement), clutch engaged.
+  /// [m] rms distance of the follower's displacement from s R times the leader's, while the clutch is engaged.
   std::vector<double> tracking_rms;
-  std::vector<double> tracking_largest;  ///< [m]
+  std::vector<double> tracking_largest;  ///< [m] largest of the same
   std::vector<double> follower_moved;   ///< [m] largest displacement of the follower in the phase
   std::vector<double> force_follower;   ///< [N] mean true force of the wall in the last fifth
   std::vector<double> force_hand;       ///< [N] mean force of the leader's tip on the hand there

@@ -93,7 +93,7 @@ class LiveHand {
   std::mutex showing_;
   Shown shown_;
   std::unique_ptr<MotionPlan> plan_;
-  std::optional<double> told_, planned_;  // [s] of the loop
+  std::optional<double> told_, planned_;  // [s] loop time of the last report, and of the last plan
   std::atomic<double> jog_until_{0.0};   // [s] until which a jog was planned
   long commands_ = 0, refused_ = 0;
   bool began_ = false, jogs_ = false, quits_ = false;

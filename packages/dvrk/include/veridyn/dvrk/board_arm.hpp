@@ -30,7 +30,7 @@ struct BoardArmOptions {
 /// The boards' safety functions are active (packages/dvrk/docs/boards.md): watchdogs, currents, temperatures,
 /// supplies, encoders and pots are checked with every read, and any fault switches off until power_on() is
 /// called again. A cycle without set_torques() has zero current. Joints without given torques are held at
-/// their position at power-on, with the laboratory's gains of a known arm. After the constructor nothing
+/// their position at power-on, with the PID gains of the known arm. After the constructor nothing
 /// throws or allocates; read() blocks for at most `reply_timeout`. The destructor switches off. One object
 /// serves one thread.
 class BoardArm {

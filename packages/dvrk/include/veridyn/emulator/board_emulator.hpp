@@ -49,7 +49,7 @@ struct Answer {
   bool foreign = false;  ///< to be sent from another address
 };
 
-/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: sections 2 to 11 and
+/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: specification 2 to 11 and
 /// 14 (bridge mode). A function of datagrams and times only; BoardServer adds the UDP sockets. handle() does
 /// not allocate.
 class BoardEmulator {

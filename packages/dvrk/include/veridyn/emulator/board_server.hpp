@@ -8,7 +8,7 @@
 namespace veridyn::dvrk {
 
 /// An emulator behind a UDP port, in real time. Clients also send to a broadcast address and to a group
-/// (sections 1 and 2.3), so that it has to listen on more than one address.
+/// (specification 1 and 2.3), so that it has to listen on more than one address.
 class BoardServer {
  public:
   enum class Listens {

@@ -56,7 +56,7 @@ struct BoardFaults {
   std::array<bool, kChannels> pot_wire{};         ///< the wire is broken: the pot reads zero
 };
 
-/// One FPGA board with its QLA: registers (section 7), amplifier logic (14.2), watchdog (14.1),
+/// One FPGA board with its QLA: registers (specification 7), amplifier logic (14.2), watchdog (14.1),
 /// current check (14.3). It has no sockets and no clock: advance() provides the time.
 class EmulatedBoard {
  public:

@@ -7,7 +7,7 @@
 
 namespace veridyn::dvrk {
 
-/// A quadrature encoder with its counters: section 11. Between two calls of move() it turns at a constant
+/// A quadrature encoder with its counters: specification 11. Between two calls of move() it turns at a constant
 /// speed; every edge has a time.
 class EmulatedEncoder {
  public:

@@ -10,7 +10,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// The laboratory's tolerance between pots and encoders.
+// Usual tolerance of dVRK configurations between pots and encoders.
 constexpr double kPotTolerance = 5.0 * M_PI / 180.0;  // [rad]
 constexpr double kPotToleranceLength = 0.005;         // [m]
 constexpr double kPotLatency = 0.01;                  // [s]

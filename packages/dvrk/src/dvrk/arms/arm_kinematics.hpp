@@ -62,8 +62,8 @@ class PsmKinematics {
   ///
   /// Singular where the shaft's end is in the remote centre (q3 = 0.0156 m), where the axis of
   /// wrist yaw passes through it (wrist pitch beyond 90 degrees) and where the shaft lies along the
-  /// axis of yaw (pitch at 90 degrees). What is free is then taken from `near`, and q reaches the
-  /// pose all the same.
+  /// axis of yaw (pitch at 90 degrees). Joints that the pose leaves free are then taken from
+  /// `near`, and q still reaches the pose.
   InverseSolution<6> inverse(const Eigen::Matrix4d& T_base_tip, const Joints& near) const noexcept;
 
  private:
@@ -103,8 +103,8 @@ class MtmKinematics {
 
   explicit MtmKinematics(const ArmFacts& arm);
 
-  /// Yaw, shoulder, elbow that put the wrist there: of up to four, the one within the limits,
-  /// nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
+  /// Yaw, shoulder and elbow for a position of the wrist [m]: of up to four solutions the one within
+  /// the limits nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
   /// arm is stretched two solutions meet, and errors grow to the square root of rounding (1e-8
   /// rad).
   InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist,

@@ -40,7 +40,7 @@ int joint_of(const std::string& column, const std::string& prefix) {
   return error == std::errc() && stop == end && joint > 0 ? joint - 1 : -1;
 }
 
-// Places of q1..qn and tau1..taun in a line.
+// Indices of the columns q1..qn and tau1..taun.
 struct Columns {
   std::map<int, std::size_t> q, tau;
   std::size_t count = 0;

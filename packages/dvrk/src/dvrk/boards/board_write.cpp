@@ -76,8 +76,8 @@ void BoardBus::switch_off(Off what) noexcept {
   bool sent = true;
   if (known && one_group())
     sent = exchange_.write_block(broadcast_route(), address::kRealTime, QuadletView(all).part(0, at));
-  // Boards of mixed firmware have no common block, and that of Rev 6 has no control word: one word to every
-  // board.
+  // Boards of mixed firmware have no common block, and the block of Rev 6 has no control word: the control
+  // register of all boards is written.
   if (!known || !one_group() || boards_.front().info.firmware == 6)
     sent = exchange_.write(broadcast_route(), address::kStatus, word) && sent;
   link_lost_ = !sent;
@@ -90,7 +90,7 @@ bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
   return write_register(b, address::kStatus, word);
 }
 
-// While nodes are unknown, a node number may belong to another board, or to all.
+// False while node numbers are unknown: a number may belong to another board.
 bool BoardBus::nodes_known() const noexcept {
   return state_ == BusState::kRunning && !exchange_.generation_changed();
 }

@@ -61,9 +61,9 @@ class MotionRun {
   VectorXd tau_;
   std::optional<double> before_;  // [s] of the last call for torques
   std::optional<double> blind_since_;  // [s] begin of the first cycle in a row without a valid read
-  Condition blindness_ = Condition::kNoReply;  // and why
+  Condition blindness_ = Condition::kNoReply;  // reason of the last invalid read
   std::string why_, busy_;
-  bool looks_ = false;  // before power
+  bool looks_ = false;  // while the boards are read before power-up
 };
 
 }  // namespace veridyn::dvrk

@@ -27,7 +27,7 @@ struct EncoderMotion {
   double predicted = 0.0;     ///< velocity extrapolated to the present
 };
 
-/// Value of 1/quarter (in clock ticks) above which the laboratory's host computes no acceleration: for
+/// Value of 1/quarter (in clock ticks) above which the dVRK software computes no acceleration: for
 /// quarters shorter than 2000 ticks, 41 us.
 constexpr double kAccelerationThreshold = 0.0005;
 
