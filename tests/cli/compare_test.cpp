@@ -91,7 +91,7 @@ TEST_F(Compare, AnUnchangedArmIsRarelyReportedAsDifferent) {
 
 // The file of the arm gives its wrist 0.08 N m of Coulomb friction, its elbow 1 N m. Of four
 // intervals of 95 % two or more miss in one case in a hundred.
-TEST_F(Compare, FrictionThatGrewByAFifthIsNamed) {
+TEST_F(Compare, FrictionIncreasedByAFifthIsReported) {
   const std::string before = scara(1, 1);
   int intervals = 0;
   int missed = 0;

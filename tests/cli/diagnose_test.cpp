@@ -95,7 +95,7 @@ TEST_F(SimulatedArm, HasNoFindingsIfNothingIsHidden) {
 }
 
 // A model of yesterday, an arm with a load and a stiffer gear today.
-TEST_F(SimulatedArm, WhatChangedSinceTheModelWasMadeIsNamed) {
+TEST_F(SimulatedArm, AChangeSinceTheIdentificationIsReported) {
   const auto record = [&](const std::string& robot, const std::string& name,
                           const std::string& seed, const Words& more) {
     const std::string motion = folder_.path("motion" + seed + ".csv");

@@ -82,7 +82,7 @@ TEST_F(Identify, WithoutATestRecordingThereIsNoTestError) {
 
 // The low-pass at 20 Hz leaves of friction's steps what it leaves in the torque; the rest is
 // differentiation of 100 Hz samples: (2 pi f / rate)^2 / 6 of the fastest sine, about 0.4 %.
-TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
+TEST_F(Identify, EveryMethodRecoversTheSimulatedParameters) {
   const Model arm = read_model("planar-2r");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   VectorXd truth(parameters.size());

@@ -21,7 +21,7 @@ class Simulate : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Simulate, AControlledRecordingCanBeReplayed) {
+TEST_F(Simulate, AReplayHasTheTorquesOfItsRecordingWithinTenPercent) {
   const std::string recording = folder_.path("rec.csv");
   const std::string model = folder_.path("model.yaml");
   const std::string out = folder_.path("out.json");

@@ -131,7 +131,7 @@ TEST(FrictionCompensation, ThePreslidingRuleFollowsTheExponentialOfTheHysteresis
 
 // The stronger the compensation, the more a joint that is pushed through its work moves; the store
 // bounds the energy: after any reference has stopped, compensation has given at most one reserve.
-TEST(FrictionCompensation, TheTankBoundsTheEnergyOfCompensation) {
+TEST(FrictionCompensation, TheEnergyTankBoundsTheEnergyOfCompensation) {
   const Model arm = thesis_friction();
   ArmState state(arm, {"tool"});
   FrictionCompensation friction(arm, rule(FrictionRule::kVelocity));

@@ -190,7 +190,7 @@ Touched move_and_touch(const Model& real, const std::string& frame, const Eigen:
   return out;
 }
 
-TEST(MomentumObserver, NamesTheLinkThatIsTouchedAndRaisesNoFalseAlarm) {
+TEST(MomentumObserver, FindsTheTouchedLinkWithoutFalseAlarms) {
   // Bodies balanced as on the real arm, so that the threshold is not all weight.
   const Model real = plausible_model(read_model("psm-3dof"), 3).arm;
   // On the tool along the shaft's side and axis: all three joints notice.

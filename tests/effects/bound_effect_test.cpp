@@ -89,7 +89,7 @@ TEST_P(EveryBoundEffect, AShapeConstantMustBeFiniteAndPositiveWhereItIsAScale) {
   }
 }
 
-TEST(BoundEffect, ACouplingNeedsItsSource) {
+TEST(BoundEffect, ACouplingWithoutItsSourceIsRefused) {
   EffectTerm term = term_of("cable_coupling", yaw_axis());
   term.from.reset();
   EXPECT_NE(message_of(term).find("needs `from: {coordinate: 1}`"), std::string::npos);

@@ -214,7 +214,7 @@ TEST_P(EveryEffect, ItsGridHasValuesForEverySearchedConstant) {
   }
 }
 
-TEST(Traits, MemoryDependsOnTheShapeConstants) {
+TEST(Traits, AFrictionEffectHasMemoryOnlyWithADistance) {
   for (const char* name : {"load_dependent_friction", "position_dependent_friction"}) {
     const AxisEffect& effect = find_axis_effect(name);
     ShapeValues shape{};

@@ -220,7 +220,7 @@ TEST(StrangersMjcfInMujoco, HasTheSameTorquesAndFrames) {
   }
 }
 
-TEST(MjcfRefuses, ImpossibleBodies) {
+TEST(MjcfExport, OfImpossibleBodiesIsRefused) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
   for (Frame& frame : d.frames) {
     if (frame.body) (*frame.body->phi)[9] *= -1.0;

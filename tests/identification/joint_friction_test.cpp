@@ -63,7 +63,7 @@ TEST(JointFriction, OfAFileThatHasFrictionIsUnchanged) {
 }
 
 // Numbers of single joints alone, in the order of the joints, with their deviations where these are known.
-TEST(JointFriction, IsListedJointByJoint) {
+TEST(JointFriction, ValuesAreListedInTheOrderOfTheJoints) {
   ModelDescription d = read_model("planar-2r").description();
   d.effects[2].deviations["coefficient"] = 0.02;
   EffectTerm rotor;

@@ -116,7 +116,7 @@ TEST_F(AMistakenRecording, IsNotReportedIfTheMotionDoesNotDetermineIt) {
 }
 
 // What the sentence of a fault says, the fit bears out: less is left unexplained than before.
-TEST_F(AMistakenRecording, IsNamedWithTheShareThatFalls) {
+TEST_F(AMistakenRecording, IsReportedWithTheErrorsBeforeAndAfterCorrection) {
   Recording r = recorded("elbow-6r", 14);
   r.tau.col(1) *= -1.0;
   r.tau.col(3) *= -1.0;
@@ -130,7 +130,7 @@ TEST_F(AMistakenRecording, IsNamedWithTheShareThatFalls) {
   }
 }
 
-TEST_F(AMistakenRecording, WithTorquesTurnedRoundIsCorrectedByTheUnitsOption) {
+TEST_F(AMistakenRecording, WithOneReversedTorqueIsCorrectedByTheUnitsOption) {
   for (const char* robot : {"psm-3dof", "elbow-6r"}) {
     Recording r = recorded(robot, 4);
     r.tau.col(1) *= -1.0;
@@ -219,7 +219,7 @@ TEST_F(AMistakenRecording, WithAClippedTorqueIsNotReportedAsAnotherUnit) {
 }
 
 // Every position lies within its joint's limits, which in degrees it would leave.
-TEST_F(AMistakenRecording, IsNotInDegreesWhereRadiansAreWithinTheLimits) {
+TEST_F(AMistakenRecording, InDegreesWithinTheLimitsIsOnlySuspected) {
   Recording r = recorded("elbow-6r", 8);
   r.q *= 180.0 / M_PI;
   r.dq *= 180.0 / M_PI;

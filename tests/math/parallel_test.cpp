@@ -24,7 +24,7 @@ TEST(ParallelFor, CallsTheBodyOnceForEveryIndex) {
   }
 }
 
-TEST(ParallelFor, UsesNoMoreThreadsThanItMay) {
+TEST(ParallelFor, UsesNoMoreThreadsThanAllowed) {
   for (const int threads : {1, 2, 3}) {
     std::set<std::thread::id> seen;
     std::mutex guard;
@@ -50,7 +50,7 @@ TEST(ParallelFor, TwoBodiesRunAtTheSameTime) {
   EXPECT_TRUE(met);
 }
 
-TEST(ParallelFor, ThrowsAgainWhatTheBodyThrewAfterAllAreDone) {
+TEST(ParallelFor, AnExceptionOfABodyIsRethrownAfterAllHaveFinished) {
   for (const int threads : {1, 4}) {
     std::atomic<int> calls{0};
     const auto body = [&](int i) {

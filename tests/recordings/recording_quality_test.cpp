@@ -300,7 +300,7 @@ TEST(AFault, AbsurdNumbersAreReportedAndTreatedAsGaps) {
   EXPECT_EQ(quality.severity(), Severity::kFault);
 }
 
-TEST(AFault, JumpsAreFoundWithSizeAndJoint) {
+TEST(AFault, JumpsAreReportedWithSizeAndJoint) {
   const std::function<void(Recording*)> without_velocities[] = {
       [](Recording*) {}, [](Recording* r) { r->dq.resize(0, 0); }};
   for (const auto& change : without_velocities) {

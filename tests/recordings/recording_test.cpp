@@ -210,7 +210,7 @@ TEST_F(AGoodFile, ALongFileIsReadToItsEnd) {
   }
 }
 
-TEST_F(AGoodFile, WhatIsWrittenIsReadBackToNineDigits) {
+TEST_F(AGoodFile, AWrittenFileIsReadBackToNineDigits) {
   Recording r;
   const int rows = 300;
   r.time = VectorXd::LinSpaced(rows, 0.0, 1234.567);

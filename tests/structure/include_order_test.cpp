@@ -69,7 +69,7 @@ std::string wrong_includes(const fs::path& file, const std::string& own) {
   return wrong.str();
 }
 
-TEST(IncludeOrder, IncludesPointDownTheLayers) {
+TEST(IncludeOrder, EveryIncludePointsToALowerLayer) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   int files = 0;
   for (const fs::path& top : {root / "include/veridyn", root / "src"}) {

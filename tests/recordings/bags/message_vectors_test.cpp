@@ -200,7 +200,7 @@ Heard hear(const std::string& file) {
   return heard;
 }
 
-TEST(ASmallContainer, HasItsChannelAndItsMessage) {
+TEST(ASmallContainer, IsReadWithItsChannelAndItsMessage) {
   const Heard bag = hear("mini_ros1.bag");
   ASSERT_EQ(bag.channels.size(), 1u);
   EXPECT_EQ(bag.channels[0].topic, "/a");

@@ -81,7 +81,7 @@ TEST_P(OnEverySampleBag, JointsHaveTheRequestedOrder) {
             "joints matched: shoulder_pan = shoulder_pan_joint, elbow = elbow_joint");
 }
 
-TEST(ABagOfTheCppWriter, HasNoTopicInItsInnerHeadersAndNoEfforts) {
+TEST(ABagOfTheCppWriter, IsReadWithoutTopicsInChunksAndWithoutEfforts) {
   const Recording r = read_recording(sample("ros1_cpp_lz4.bag"));
   ASSERT_EQ(r.rows(), 50);
   for (int k = 0; k < 50; ++k) {

@@ -67,7 +67,7 @@ TEST(Axes, LinkLengthsAndAxesOfANoisyPsmAreWithinTheirIntervals) {
 }
 
 // An axis in the cameras' frame, against the robot file's own pose of it.
-TEST(Axes, TheFirstAxisIsFixedToTheBase) {
+TEST(Axes, TheFirstAxisIsFoundInTheFrameOfTheCameras) {
   const MarkerCapture capture = captured_psm(psm(), 800, {}, 4);
   AxesOptions options;
   options.most_frames = 400;

@@ -183,7 +183,7 @@ TEST(Udp, ListensToThisMachineUnlessAnAddressIsGiven) {
   EXPECT_EQ(poll_for(*all), 1);
 }
 
-TEST(Udp, TheFirstSenderOwnsThePortUntilItIsSilent) {
+TEST(Udp, OnlyTheFirstSenderIsAcceptedUntilItIsSilentForASecond) {
   const auto source = open_force_source("udp:47116");
   const Sender cell(47116), stranger(47116);
   cell.write_bytes("1");

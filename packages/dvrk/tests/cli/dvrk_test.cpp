@@ -170,7 +170,7 @@ TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
 }
 
 // User gains: the law's default gains change nothing, weaker ones let the arm lag.
-TEST_F(Dvrk, GainsFromAFileReachTheArm) {
+TEST_F(Dvrk, GainsFromAFileChangeTheMotion) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream motion(trajectory);
   motion << "t,q1,q2,q3\n";

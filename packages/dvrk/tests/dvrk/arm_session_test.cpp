@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OnEveryHomedArm,
 
 // Joint torques arrive at the motors through calibration and coupling: what the motors push with,
 // carried to the joints by the power that it does, is what was commanded.
-TEST(ArmSession, TorquesArriveAtTheJoints) {
+TEST(ArmSession, JointTorquesOfTheMotorsEqualTheCommandedOnes) {
   const MatrixXd K = read_arm("PSM1").coupling(kNeedleDriver);
   Bench bench(example(), K, example_start());
   bench.idle(0.01);
