@@ -42,7 +42,7 @@ class HingeBundle {
   double noise() const { return noise_; }  ///< [m] of one coordinate
   double correlation() const { return correlation_; }
   double degrees_of_freedom() const { return degrees_of_freedom_; }
-  std::vector<double> residuals() const;  ///< [m]
+  std::vector<double> residuals() const;  ///< [m] of every marker coordinate
 
   /// Hinge j at the reference, with shared unknowns displaced by `step` (empty: none).
   Line line(int hinge, const VectorXd& step = {}) const;
@@ -89,21 +89,21 @@ class HingeBundle {
   std::vector<int> frames_;  // frames of the capture; the reference comes first
   std::vector<Line> start_;
   std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // two unit vectors across each initial line
-  std::vector<Eigen::Isometry3d> root_start_;       // by used frame
+  std::vector<Eigen::Isometry3d> root_start_;       // initial pose of the root, by used frame
   LeastSquares problem_;
   std::vector<int> hinge_unknown_;
   std::vector<int> frame_unknown_;                 // by used frame: its block of unknowns; -1: the reference
-  std::vector<std::vector<int>> marker_unknown_;   // by body of the tree, by marker
-  std::vector<Seen> seen_;  // by observation
+  std::vector<std::vector<int>> marker_unknown_;   // block of unknowns of every marker, by body of the tree
+  std::vector<Seen> seen_;  // marker and frame of every observation
   struct Closed {
     int closing, frame;
   };
-  std::vector<Closed> closed_;     // by observation after those of the markers
-  std::vector<double> deviation_;  // [m] of the points of a closing hinge
-  std::vector<double> play_;       // [m] by closing hinge
+  std::vector<Closed> closed_;     // loop and frame of the observations after those of markers
+  std::vector<double> deviation_;  // [m] deviation of the points of a closing hinge, by closing hinge
+  std::vector<double> play_;       // [m] rms play, by closing hinge
   std::unique_ptr<Information> information_;
   double noise_ = 0.0, correlation_ = 1.0, degrees_of_freedom_ = 1.0;
-  double variance_ = 1.0;  // of residuals, correlation included
+  double variance_ = 1.0;  // variance of the residuals, with the factor of correlated frames
   int outliers_ = 0;
 };
 

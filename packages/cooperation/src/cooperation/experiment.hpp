@@ -71,7 +71,7 @@ class Experiment {
   std::vector<Eigen::Vector3d> starts_;  // initial true positions of the tips in the world [m]
   WorldObjects objects_;
   std::vector<ForceSensor> sensors_;
-  std::vector<std::vector<ForceSensor>> wall_sensors_;  // by wall, by channel
+  std::vector<std::vector<ForceSensor>> wall_sensors_;  // sensors of every wall, one per channel
   std::vector<TipKinematics> true_tips_;
   std::vector<ForceSample> samples_;
   std::vector<double> filtered_;  // readings after their low-pass [N]

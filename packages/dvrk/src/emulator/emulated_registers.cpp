@@ -122,7 +122,7 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
   Channel& c = channels_[channel];
   switch (offset) {
     case address::kDac: {
-      BoardCommand one;  // the same word as in the block
+      BoardCommand one;  // a register write has the same word as a block
       std::array<std::uint8_t, 24> block{};
       const QuadletSpan span({block.data(), 4 * write_quadlets(setup_.firmware)});
       one.board = static_cast<std::uint8_t>(setup_.id);

@@ -54,14 +54,14 @@ struct Feedback {
   int joints = 0;
   double q[kMostJoints] = {}, dq[kMostJoints] = {}, tau[kMostJoints] = {};
   double setpoint[kMostJoints] = {};
-  double position[3] = {}, quaternion[4] = {0, 0, 0, 1};  ///< of the tip in the base
+  double position[3] = {}, quaternion[4] = {0, 0, 0, 1};  ///< [m] position and orientation of the tip in the base
   double setpoint_position[3] = {}, setpoint_quaternion[4] = {0, 0, 0, 1};
   double twist[6] = {}, wrench[6] = {};  ///< tip, base axes; the wrench from torques beyond gravity
   OperatingState state = OperatingState::kDisabled;
   Mode mode = Mode::kOff;
   bool homed = false, busy = false;
   veridyn::SafetyFault fault = veridyn::SafetyFault::kNone;
-  Refusal refusal = Refusal::kNone;  ///< of the last command that was refused
+  Refusal refusal = Refusal::kNone;  ///< reason of the last refusal
   std::uint64_t refusals = 0;        ///< number of refused commands
   std::uint64_t lost_streams = 0;    ///< number of streams of commands that ended without notice
 };

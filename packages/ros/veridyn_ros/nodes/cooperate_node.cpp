@@ -215,7 +215,7 @@ class Cooperation {
   Scenario scenario_;
   TopicLines lines_;
   std::string member_;
-  double wanted_ = 0.0, began_ = 0.0;  // [N], [s]
+  double wanted_ = 0.0, began_ = 0.0;  // [N] reference force, [s] start of the run
   std::vector<ros::Publisher> joints_;
   std::vector<std::vector<std::string>> names_;
   std::map<std::string, ros::Publisher> tips_, forces_;

@@ -47,7 +47,7 @@ class Spread {
   double worst() const noexcept { return worst_; }
 
  private:
-  std::array<std::uint32_t, 332> counts_{};  // from 1 us to 10 s
+  std::array<std::uint32_t, 332> counts_{};  // one count per step of 5 % from 1 us to 10 s
   std::uint64_t all_ = 0;
   double worst_ = 0.0;
 };

@@ -26,7 +26,7 @@ using veridyn::VectorXd;
 struct Arm {
   std::unique_ptr<veridyn::Engine> plant;
   std::optional<veridyn::JointSensors> sensors;
-  VectorXd q, dq, tau;  // as measured by the sensors, and in the drives' scale
+  VectorXd q, dq, tau;  // sensor readings, and torques in the scale of the drives
   VectorXd acting;
   Snapshot<MotorTorque> asked;
   MotorTorque now;

@@ -41,7 +41,7 @@ struct RemoteCenter {
   double orientation_noise = 0.0;  ///< [rad] likewise, about one axis
   double correlation = 1.0;        ///< number of successive frames that count as one independent frame
   std::vector<Eigen::Vector3d> points;   ///< rcm computed from each single frame
-  std::vector<char> is_outlier;          ///< by frame
+  std::vector<char> is_outlier;          ///< one flag per frame
   std::vector<Eigen::Isometry3d> poses;  ///< poses to which it was fitted
 
   std::string report() const;

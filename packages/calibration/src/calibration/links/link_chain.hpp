@@ -35,7 +35,7 @@ class LinkChain {
   VectorXd x_;
   VectorXd values_;       // values of the entries
   MatrixXd by_constant_;  // (entries x parameters)
-  std::vector<int> entry_parameter_;  // by entry; -1: no parameter
+  std::vector<int> entry_parameter_;  // parameter of every entry; -1: none
   std::vector<int> zero_parameter_;   // by coordinate: parameter of its encoder zero; -1: none
   std::vector<int> constants_;        // parameters that are named constants
   // By path frame: fixed transform after the origin of a placement.

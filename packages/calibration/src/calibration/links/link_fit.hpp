@@ -14,7 +14,7 @@ struct LinkNoise {
 struct LinkData {
   const PoseCapture* poses = nullptr;
   std::vector<int> rows;
-  std::vector<char> is_outlier;  ///< by frame of the capture
+  std::vector<char> is_outlier;  ///< one flag per frame of the capture
   LinkNoise noise;
 };
 

@@ -14,8 +14,8 @@ namespace veridyn {
 
 /// Conversion of a converter's counts to newtons: force = scale * (raw - offset).
 struct LoadCellCalibration {
-  double offset = 0.0;  ///< [counts]
-  double scale = 1.0;   ///< [N/count]
+  double offset = 0.0;  ///< [counts] reading without force
+  double scale = 1.0;   ///< [N/count] of the line
   double offset_interval = 0.0, scale_interval = 0.0;  ///< half widths of the 95 % intervals
   double residual = 0.0;     ///< [N] root mean square of the weights' means from the line
   double noise = 0.0;        ///< [N] standard deviation of single readings about their mean
@@ -99,7 +99,7 @@ enum class ForceState {
   kWaiting,  ///< no reading has arrived
   kGood,
   kDead,   ///< no new reading for longer than ForceChannelOptions::largest_silence
-  kStuck,  ///< the same counts for longer than stuck_after, although readings arrive
+  kStuck,  ///< readings arrive, but with equal counts for longer than stuck_after
   kRange,  ///< beyond the range of the cell or its converter
   kNoisy   ///< too large a share of the data is unusable: the line is damaged
 };
@@ -109,7 +109,7 @@ struct ForceChannelOptions {
   LoadCellCalibration calibration;
   double largest_silence = 0.015;  ///< [s]; in a cycle of 1 ms a dead line is detected within 16 ms
   double stuck_after = 0.015;      ///< [s] of readings that are equal to the last bit; 0: no check
-  int stuck_readings = 5;          ///< and at least this many
+  int stuck_readings = 5;          ///< smallest number of equal readings of a stuck cell
   double range = 200.0;            ///< [N] readings beyond it are discarded
   /// [N] largest step between two readings. A larger step is accepted only after a second reading confirms
   /// it, because a lost digit would cause the same step. Infinite: no check.
@@ -154,9 +154,9 @@ class ForceChannel {
   double begun_ = std::numeric_limits<double>::quiet_NaN();
   double waiting_ = 0.0;  // [N] reading that a second one has to confirm
   bool waits_ = false, beyond_ = false, noisy_ = false;
-  std::optional<long> number_;  // of the last sample
+  std::optional<long> number_;  // sequence number of the last sample
   long beyond_range_ = 0, jumps_ = 0, refused_ = 0;
-  long good_ = 0, bad_ = 0;  // counts within the window
+  long good_ = 0, bad_ = 0;  // usable and unusable data in the present window
   int alike_ = 0;
 };
 

@@ -85,13 +85,13 @@ struct LiveReport {
 
 /// Result of a live run.
 struct LiveRun {
-  double time = 0.0;     ///< [s]
+  double time = 0.0;     ///< [s] simulated duration
   long commands = 0, refused = 0;
   bool lost = false;     ///< the connection ended or was silent, and targets were held
-  double lost_at = 0.0;  ///< [s]
+  double lost_at = 0.0;  ///< [s] time of the loss of the connection
   /// [m] largest motion of any tip that is later than stop_duration after the loss
   double moved_after_loss = 0.0;
-  double largest_force = 0.0;     ///< [N]
+  double largest_force = 0.0;     ///< [N] of any member
   /// [s] from the arrival of a line to the torques that result from it
   double longest_latency = 0.0;
   CooperativeState state = CooperativeState::kTracking;

@@ -93,7 +93,7 @@ struct ScenarioCommand {
 
 struct ScenarioPhase {
   std::string name;
-  double duration = 0.0;  ///< [s]
+  double duration = 0.0;  ///< [s] of the phase
   std::vector<ScenarioCommand> commands;
   double asked_force_error = 0.0;   ///< [N] bound for the whole phase; 0: none
   double asked_steady_error = 0.0;  ///< [N] bound for its last fifth; 0: none
@@ -109,15 +109,15 @@ struct ScenarioFault {
   bool reported = false;  ///< the controller is informed of the failed arm
 };
 
-constexpr int kLongestTorqueDelay = 1000;  ///< [cycles]
+constexpr int kLongestTorqueDelay = 1000;  ///< [cycles] largest ScenarioControl::torque_delay
 
 /// Settings of the control loops.
 struct ScenarioControl {
-  double rate = 1000.0;                 ///< [Hz]
+  double rate = 1000.0;                 ///< [Hz] of the control loops
   double position_frequency = 15.0;     ///< [Hz] bandwidth of critically damped position loops
   Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< Mass of impedances, in the arm's base [kg]
-  Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m]
-  Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m]
+  Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m] damping of impedances, axes of the base
+  Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m] stiffness of impedances, axes of the base
   double friction = 0.5;              ///< share of the identified friction that is compensated
   double observer = 5.0;              ///< [Hz] of the observer of model errors; 0: none
   FrictionRule friction_rule = FrictionRule::kPresliding;

@@ -40,7 +40,7 @@ struct MemberFigures {
   std::string member;
   double wanted = 0.0;         ///< [N] at the phase's end
   double largest_error = 0.0;  ///< [N] of the true force from h_d, at any time of the phase
-  double rms_error = 0.0;      ///< [N]
+  double rms_error = 0.0;      ///< [N] rms of force - h_d over the phase
   double steady_error = 0.0;   ///< [N] largest |force - h_d| in the phase's last fifth
   double mean_error = 0.0;     ///< [N] mean of force - h_d in the last fifth
   double overshoot = 0.0;      ///< [N] largest force beyond the new h_d if the phase changes h_d
@@ -53,7 +53,7 @@ struct MemberFigures {
 
 struct PhaseFigures {
   std::string phase;
-  double from = 0.0, to = 0.0;  ///< [s]
+  double from = 0.0, to = 0.0;  ///< [s] begin and end of the phase
   std::vector<MemberFigures> members;
   double position_error = 0.0;        ///< [m] largest, of the leader's tip from x_d
   double final_position_error = 0.0;  ///< [m] at the end

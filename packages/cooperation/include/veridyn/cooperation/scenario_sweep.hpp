@@ -18,7 +18,7 @@ struct SweepPoint {
   double steady_error = 0.0;   ///< [N] largest at the end of any phase
   double force_error = 0.0;    ///< [N] largest at any time of the phases with a bound
   double oscillation = 0.0;    ///< [N] largest at the end of any phase
-  double largest_force = 0.0;  ///< [N]
+  double largest_force = 0.0;  ///< [N] of any member at any time
   double generated = 0.0;      ///< [J] largest of any phase after its commands
   bool stable = false;
   std::string ended;  ///< reason if the run ended early; empty: complete
@@ -28,7 +28,7 @@ struct SweepPoint {
 /// the oscillation stayed within the scenario's `stable_error` in every phase.
 struct ScenarioSweepResult {
   std::string name, engine;
-  double stable_error = 0.0;  ///< [N]
+  double stable_error = 0.0;  ///< [N] bound of a stable point, see ScenarioSweep
   std::vector<double> stiffness, delay, rate;
   std::vector<SweepPoint> points;  ///< stiffness runs fastest, then delay, then rate
   double seconds = 0.0;

@@ -25,7 +25,7 @@ struct ForceSensorOptions {
 
 /// The latest sample that has arrived.
 struct ForceSample {
-  double force = 0.0;  ///< [N]
+  double force = 0.0;  ///< [N] reading
   double time = 0.0;   ///< [s] at which it was taken
   std::optional<long> number{};  ///< sequence number; nullopt: no sample has arrived
 };

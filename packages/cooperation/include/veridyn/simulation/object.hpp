@@ -65,7 +65,7 @@ Eigen::Vector3d contact_force(const Wall& wall, const Eigen::Vector3d& position,
 struct HeldBody {
   struct Grasp {
     Attachment held_by;
-    Eigen::Vector3d point_body{0.0, 0.0, 0.0};  ///< [m]
+    Eigen::Vector3d point_body{0.0, 0.0, 0.0};  ///< [m] grasped point, in the axes of the body from its centre
     double stiffness = 0.0;                     ///< [N/m]
     double damping = 0.0;                       ///< [N s/m]
     bool attached = true;

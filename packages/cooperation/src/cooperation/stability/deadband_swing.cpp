@@ -38,7 +38,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   const ClosedLoop loop(point, scenario, {});
   const int cycles = loop.hyperperiod();
   const long begin = loop.first_cycle();
-  std::vector<MatrixXd> A;  // of every kind of cycle
+  std::vector<MatrixXd> A;  // one map for every kind of cycle
   std::vector<VectorXd> readings;
   std::vector<char> fresh;
   for (int k = 0; k < cycles; ++k) {

@@ -71,7 +71,7 @@ class TurnedLoop {
 
  private:
   std::vector<CycleRow> rows_;
-  std::vector<MatrixXd> without_, readings_;  // for every kind of cycle
+  std::vector<MatrixXd> without_, readings_;  // by kind of cycle: map without readings, their share of it
   int cycles_ = 1;
 };
 

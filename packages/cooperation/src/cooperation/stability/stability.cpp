@@ -18,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLeastSwing = 0.25;    // [N] smallest peak-to-peak force that is not noise
-constexpr double kSwingShare = 0.1;     // of the wanted force
+constexpr double kSwingShare = 0.1;     // share of the wanted force above which a swing is an oscillation
 constexpr double kFirstStep = 1.05, kFarStep = 1.5, kOnsetAccuracy = 1.04;
 constexpr int kStiffnessSteps = 56;  // eight per decade
 constexpr double kSameRate = 1e-9;   // relative: rounding

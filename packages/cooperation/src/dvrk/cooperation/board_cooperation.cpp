@@ -374,7 +374,7 @@ class BoardRun : private BoardLoop {
 
   std::vector<ForceSensor> simulated_;
   std::vector<Sensor> channels_;
-  std::vector<ForceReading> readings_;  // of members, then of the channels of walls
+  std::vector<ForceReading> readings_;  // readings of members, then of the channels of walls
   std::vector<WallChannel> wall_channels_;
   std::vector<Vector3d> wall_channel_values_;  // [N] by wall
   std::unique_ptr<CooperativeController> control_;
@@ -385,7 +385,7 @@ class BoardRun : private BoardLoop {
   std::vector<Span> spans_;
   BoardCooperationRun out_;
   Eigen::Index row_ = 0;
-  double bound_ = 5.0;  // [N]
+  double bound_ = 5.0;  // [N] largest force of an arm that holds its position
   bool winding_ = false;
   std::unique_ptr<MotionPlan> plan_;
   std::unique_ptr<ScenarioRowFile> file_;

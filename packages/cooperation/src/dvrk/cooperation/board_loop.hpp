@@ -45,7 +45,7 @@ class BoardLoop {
   /// Cycles without power until every sensor has given good readings for kHeard; age counts from the start.
   /// @throws InvalidInput  a sensor has not after BoardCooperationOptions::sensor_patience.
   void wait_for_sensors(std::vector<Sensor>& sensors);
-  static constexpr double kHeard = 0.2;  ///< [s]
+  static constexpr double kHeard = 0.2;  ///< [s] of good readings that every sensor must give before power-up
   static constexpr double kNever = 1e3;  ///< [s] age of a reading that must not be used
 
   /// The arms and their joints as measured by the boards, for a plan before power-up.

@@ -27,7 +27,7 @@ struct TeleoperationRun {
   long cycles = 0, late = 0;
   BoardEnd end = BoardEnd::kDone;
   std::string why;        ///< reason in words, if it is not kDone
-  double fault_at = 0.0;  ///< [s]
+  double fault_at = 0.0;  ///< [s] time of the fault
   OffState power = OffState::kNotAsked;
   std::vector<ArmAfterFault> after_fault;  ///< see BoardCooperationRun
   std::vector<LaterFault> later;

@@ -35,7 +35,7 @@ class ArmPoints {
   Recursion<double> recursion_;
   Posed base_;
   VectorXd dq_;
-  std::vector<Posed> T_world_;  // by link
+  std::vector<Posed> T_world_;  // pose of every link in the world
 };
 
 }  // namespace veridyn

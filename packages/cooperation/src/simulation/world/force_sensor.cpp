@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSameTime = 1e-9;  // [s]
+constexpr double kSameTime = 1e-9;  // [s] tolerance of times that count as equal
 
 }  // namespace
 

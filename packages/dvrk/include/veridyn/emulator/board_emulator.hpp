@@ -17,7 +17,7 @@ namespace veridyn::dvrk {
 enum class ReplyFault {
   kNone,
   kDrop,
-  kDelay,     ///< by EmulatorFaults::delay
+  kDelay,     ///< the reply is late by EmulatorFaults::delay
   kTruncate,  ///< the last four bytes are missing
   kExtend,    ///< four bytes too many
   kLabel,     ///< Label of an earlier request
@@ -27,7 +27,7 @@ enum class ReplyFault {
   kBus,       ///< source bus is not 0x3FF
   kCrc,       ///< wrong and not zero
   kOld,       ///< a hub block that repeats the first one with its label
-  kForeign    ///< from an unknown address
+  kForeign    ///< the reply comes from an unknown address
 };
 
 struct EmulatorFaults {
@@ -46,7 +46,7 @@ struct EmulatorFaults {
 struct Answer {
   std::size_t size = 0;
   double delay = 0.0;    ///< [s] after which it leaves
-  bool foreign = false;  ///< to be sent from another address
+  bool foreign = false;  ///< true if it must be sent from another address
 };
 
 /// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: specification 2 to 11 and
@@ -133,7 +133,7 @@ class BoardEmulator {
   std::vector<int> by_id_;  ///< places in ascending order of their ids
   std::vector<MotorDrive> drives_;
   std::vector<ChannelMotion> motions_;
-  std::vector<HubSlot> slots_;  ///< by place
+  std::vector<HubSlot> slots_;  ///< one per board
   StandingLoad standing_;
   BoardLoad* load_ = nullptr;
   Ticks now_ = 0;
@@ -141,7 +141,7 @@ class BoardEmulator {
   bool ethernet_only_ = false;
   Ticks reset_until_ = 0;
   std::uint8_t gap_count_ = 63;  ///< Gap count of all PHYs, that of power-up
-  std::uint8_t echo_ = 0;        ///< flags of the trailer that repeat the request's
+  std::uint8_t echo_ = 0;        ///< trailer flags that repeat those of the request
   Ticks query_at_ = 0;
   std::uint32_t query_ = 0;
   std::uint8_t generation_;

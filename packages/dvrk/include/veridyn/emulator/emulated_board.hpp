@@ -24,7 +24,7 @@ struct BoardSetup {
   bool io_expander = false;
   bool senses_chain = true;          ///< Rev 8 on: status bit 14
   double pot_noise = 0.0;            ///< standard deviation [bits]
-  double current_noise = 0.0;        ///< the same of measured currents
+  double current_noise = 0.0;        ///< standard deviation of measured currents [bits]
   std::vector<std::uint8_t> dallas;  ///< memory of an instrument's chip; empty: no chip
 };
 
@@ -33,7 +33,7 @@ struct PowerChain {
   bool emergency_stop = false;  ///< pressed
   bool supply_on = true;
   bool relays_closed = false;  ///< relays of all boards in series are closed; set by the emulator
-  Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
+  Ticks rise = 983040;         ///< time from power enabled to voltage present: 20 ms
 };
 
 /// Faults of a board.

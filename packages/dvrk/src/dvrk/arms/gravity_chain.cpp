@@ -20,7 +20,7 @@ constexpr double kIndependent = 1e-9;  // largest remainder of a dependent colum
 constexpr double kNothing = 1e-12;     // [kg], [kg m] below which a value is rounding
 constexpr double kNoTorque = 1e-9;     // [N m], [N] below which a value is rounding
 constexpr double kCentreOffset = 0.1;  // [m] offset of a centre whose mass may be chosen
-constexpr int kMoments = 4;            // per link: hx, hy, hz, m
+constexpr int kMoments = 4;            // moments of a link: hx, hy, hz, m
 constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // their indices in InertialParameters
 
 // Correspondence of the model's coordinates and the rows of the chain.

@@ -20,7 +20,7 @@ struct HubHeader {
   std::uint8_t quadlets = 0;       ///< Quadlets of the block with this header; Rev 8 on
   std::uint16_t sequence = 0;      ///< 16 bits for Rev 7, the low 8 from Rev 8 on
   bool mismatch = false;           ///< Rev 8 on: the board received another sequence number than the hub
-  std::uint16_t update_ticks = 0;  ///< since the query
+  std::uint16_t update_ticks = 0;  ///< ticks from the query to the arrival of the block
 };
 
 std::uint32_t encode_hub_header(const HubHeader& header, int firmware) noexcept;

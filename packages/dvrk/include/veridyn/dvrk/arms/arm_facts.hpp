@@ -30,7 +30,7 @@ struct ArmActuator {
   double counts = 0.0;           ///< Encoder counts per turn of the motor
   double gear = 0.0;             ///< turns of the motor per turn of the actuator; [rad/m] if prismatic
   double torque_constant = 0.0;  ///< Torque constant of the motor [N m/A]
-  double max_current = 0.0;      ///< [A]
+  double max_current = 0.0;      ///< [A] largest current of the motor
   double lower = 0.0;            ///< soft limits [rad] or [m]
   double upper = 0.0;
   double kp = 0.0;  ///< Proportional gain of the dVRK software's PID [N m/rad] or [N/m]

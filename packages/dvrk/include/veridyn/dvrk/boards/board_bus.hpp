@@ -28,7 +28,7 @@ enum class Access {
   /// Only reads: no packet is sent that changes a board, so that another client may drive it. Reads of
   /// real-time blocks, however, restart the boards' timestamps, which affects that client.
   kListen,
-  kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
+  kListenByRegister  ///< reads single registers only, which changes nothing at all but is slow
 };
 
 struct BusOptions {
@@ -175,7 +175,7 @@ class BoardBus {
 
   /// Result of a bus scan.
   struct Scan {
-    std::array<BoardInfo, kMaxBoards> found{};  ///< by node
+    std::array<BoardInfo, kMaxBoards> found{};  ///< identity of every node
     int node = 0;
   };
 
@@ -233,7 +233,7 @@ class BoardBus {
   int hub_node_ = 0;
   bool ethernet_only_ = false;  ///< boards on one Ethernet, without FireWire between them
   Condition unrest_ = Condition::kGenerationChanged;
-  std::size_t asked_channel_ = 0;  ///< of all boards, one after the other
+  std::size_t asked_channel_ = 0;  ///< next channel of check_written_commands(), counted over all boards
   std::uint16_t sequence_ = 0;
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;

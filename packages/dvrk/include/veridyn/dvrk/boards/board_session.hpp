@@ -22,7 +22,7 @@ struct ChannelSafety {
   LinearScale counts_to_position;
   LinearScale pot_to_position;
   double pot_tolerance = 0.0;
-  double pot_latency = 0.010;   ///< [s]
+  double pot_latency = 0.010;   ///< [s] for which the tolerance may be exceeded
   bool watch_pot_rail = false;  ///< a pot at an end of its converter prevents power-up
   double rest_counts = 0.0;     ///< motion during SessionOptions::stall below which a motor stands still; 0: not checked
 };
@@ -46,8 +46,8 @@ struct SessionOptions {
   /// By index of the board in ascending ids; missing boards have no channel in use.
   std::vector<std::array<ChannelSafety, kChannels>> channels;
   double watchdog = 0.030;         ///< [s]; 0 is refused (specification 14.1)
-  int lost_reads = 3;              ///< in a row, then power off
-  int lost_writes = 3;             ///< in a row, then amplifiers off
+  int lost_reads = 3;              ///< successive lost reads after which power is switched off
+  int lost_writes = 3;             ///< successive lost writes after which amplifiers are switched off
   int current_cycles = 100;        ///< cycles of a current without an amplifier, then power off (specification 14.6)
   CurrentFollowing follow;
   double stall = 0.25;             ///< [s] near its largest current at a standstill, after which power is switched off
@@ -145,11 +145,11 @@ class BoardSession {
     std::uint16_t held = kZeroCurrent;
     bool asked = false;
     int excess_cycles = 0;
-    std::array<std::uint16_t, 4> sent{};  ///< last commands; older ones matter after lost writes
+    std::array<std::uint16_t, 4> sent{};  ///< last commands; older ones may still be in effect if writes were lost
     std::optional<double> amp_missing_since;
     std::optional<double> pot_off_since;
     double stalled = 0.0;            // [s] near its largest current, minus the time below it
-    std::int32_t stalled_at = 0;     // [counts]
+    std::int32_t stalled_at = 0;     // [counts] position at which the motor last moved
   };
 
   const ChannelSafety& safety(int b, int c) const {

@@ -21,7 +21,7 @@ struct BrakeConfig {
   double release_current = 0.0;   ///< [A] to open it
   double release_time = 0.0;      ///< [s] for which that current flows
   double released_current = 0.0;  ///< [A] to keep it open
-  double engaged_current = 0.0;   ///< [A]
+  double engaged_current = 0.0;   ///< [A] while the brake holds
 };
 
 /// One motor with its encoder and pot, converted to SI units.
@@ -46,7 +46,7 @@ struct ActuatorConfig {
 struct PotTolerance {
   int axis = 0;
   double distance = 0.0;  ///< [rad] or [m]; 0: not checked
-  double latency = 0.0;   ///< [s]
+  double latency = 0.0;   ///< [s] for which the distance may be exceeded
 };
 
 /// Serial number of the QLA board with an id: "1234-56", as in its memory and on its label.
@@ -78,7 +78,7 @@ struct DigitalInputConfig {
   int bit = 0;                   ///< Bit of the digital word, 0 .. 31
   bool pressed_when_low = true;  ///< "Pressed" = 1: the line is low while pressed
   std::string trigger = "all";   ///< "all", "press", "release" or "none"
-  double debounce = 0.0;         ///< [s]
+  double debounce = 0.0;         ///< [s] for which an input must keep its level
   double debounce_click = 0.0;   ///< [s]; 20 % of debounce if the file has no value
   bool skip_first_run = false;
 
@@ -92,8 +92,8 @@ struct DigitalOutputConfig {
   std::string name;
   int board = 0;
   int bit = 0;
-  double high_duration = 0.0;  ///< [s]
-  double low_duration = 0.0;   ///< [s]
+  double high_duration = 0.0;  ///< [s] of the high level of a pulse
+  double low_duration = 0.0;   ///< [s] of the low level of a pulse
   double frequency = 0.0;      ///< [Hz]; 0: no PWM
 };
 

@@ -16,7 +16,7 @@ enum class Destination { kBoard, kEveryone, kMulticast };
 struct Arrival {
   bool any = false;
   std::size_t size = 0;      ///< bytes, cut at the buffer's end
-  bool known_source = true;  ///< from an address of the boards
+  bool known_source = true;  ///< true if its source is an address of the boards
   double lay = 0.0;          ///< [s] between its arrival and its receipt by this program
 };
 

@@ -23,7 +23,7 @@ struct EncoderWords {
 /// Motion of one encoder in counts, counts/s, counts/s^2.
 struct EncoderMotion {
   double velocity = 0.0;      ///< mean over the last four edges
-  double acceleration = 0.0;  ///< from two periods that are one edge apart
+  double acceleration = 0.0;  ///< from the velocities of two periods that are one edge apart
   double predicted = 0.0;     ///< velocity extrapolated to the present
 };
 

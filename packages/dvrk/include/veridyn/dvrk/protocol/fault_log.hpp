@@ -65,7 +65,7 @@ struct FaultEntry {
   long count = 0;
   double last = 0.0;        ///< [s] of the link's clock
   std::optional<int> board = {};    ///< id of the last one; nullopt: the bus
-  std::optional<int> channel = {};  ///< from 0
+  std::optional<int> channel = {};  ///< channel from 0; nullopt: the whole board
   std::uint32_t value = 0;  ///< the last value found, see describe_found()
 };
 

@@ -13,7 +13,7 @@ constexpr int kMaxBoards = 16;  ///< ids of the rotary switch
 constexpr int kChannels = 4;    ///< Channels of a QLA
 constexpr std::uint8_t kBroadcastNode = 0x3F;
 constexpr std::uint8_t kNoForward = 0x01;  ///< control flag
-constexpr std::size_t kControlBytes = 2;   ///< in front of a request
+constexpr std::size_t kControlBytes = 2;   ///< number of control bytes in front of a request
 
 // Packets: specification 3.
 constexpr std::uint16_t kBusId = 0x3FF;

@@ -30,8 +30,8 @@ struct ArmSessionOptions {
   std::size_t mtu = 1500;
   Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
   bool announce = false;           ///< see BusOptions
-  bool firewire = false;           ///< the same for FireWire
-  double watchdog = 0.030;         ///< [s]
+  bool firewire = false;           ///< see BusOptions
+  double watchdog = 0.030;         ///< [s] of the boards' watchdogs
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
   double repeat_after = BusOptions().repeat_after;  ///< [s] after which a read without a reply is repeated
   CurrentFollowing follow;

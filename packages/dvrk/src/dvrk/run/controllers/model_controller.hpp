@@ -62,7 +62,7 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
-  void sent(const VectorXd& tau) noexcept override;  ///< in the scale of the drives
+  void sent(const VectorXd& tau) noexcept override;  ///< tau in the scale of the drives
   std::string refusal_reason() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
@@ -88,8 +88,8 @@ class ModelController final : public MotionController {
   Impedance impedance_;
   GravityCompensation gravity_;
   JointPid rest_;
-  Measured measured_;      // of the model's joints
-  JointReference wanted_;  // likewise
+  Measured measured_;      // measurements of the model's joints
+  JointReference wanted_;  // reference of the model's joints
   TaskReference task_;
   VectorXd off_, sent_;
   bool moves_ = false;  // during the motion, not during the approach
