@@ -39,10 +39,10 @@ class HingeBundle {
   double play(int hinge) const;
   int frames() const { return static_cast<int>(frames_.size()); }
   int outliers() const { return outliers_; }
-  double noise() const { return noise_; }  ///< [m] of one coordinate
+  double noise() const { return noise_; }  ///< [m] standard deviation of one coordinate
   double correlation() const { return correlation_; }
   double degrees_of_freedom() const { return degrees_of_freedom_; }
-  std::vector<double> residuals() const;  ///< [m] of every marker coordinate
+  std::vector<double> residuals() const;  ///< [m] one per coordinate of every marker
 
   /// Hinge j at the reference, with shared unknowns displaced by `step` (empty: none).
   Line line(int hinge, const VectorXd& step = {}) const;

@@ -163,7 +163,7 @@ HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder&
 }
 
 struct ChosenHinges {
-  std::vector<Candidate> edges;    // without a loop
+  std::vector<Candidate> edges;    // chosen hinges; they form no loop
   std::vector<Candidate> closing;  // requested hinges that close a loop
 };
 

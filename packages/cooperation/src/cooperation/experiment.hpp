@@ -46,9 +46,9 @@ class Experiment {
 
  private:
   struct Contact {
-    double force = 0.0, rate = 0.0;  // [N] on the tip; [m/s] rate of the depth
-    Eigen::Vector3d measured{Eigen::Vector3d::Zero()};  // [N] on the tip, in the world, unfiltered
-    Eigen::Vector3d filtered{Eigen::Vector3d::Zero()};  // [N] by channel
+    double force = 0.0, rate = 0.0;  // [N] force on the tip; [m/s] rate of the depth
+    Eigen::Vector3d measured{Eigen::Vector3d::Zero()};  // [N] reading of the force on the tip, in the world
+    Eigen::Vector3d filtered{Eigen::Vector3d::Zero()};  // [N] reading after the low-pass, by channel
   };
   void add_arm(std::size_t index, const std::string& engine);
   void add_members();

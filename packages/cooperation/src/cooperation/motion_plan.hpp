@@ -34,7 +34,7 @@ class MotionPlan {
     CooperativeController control;
     CooperativeInput seen;          ///< tips and forces
     std::vector<VectorXd> q;        ///< (n) of each arm
-    std::vector<double> length;     ///< [m] of each member without force
+    std::vector<double> length;     ///< [m] length of each member without force
     std::vector<char> held;
     double time = 0.0;              ///< [s] since the plan began
   };

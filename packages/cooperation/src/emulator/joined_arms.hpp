@@ -137,9 +137,9 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   std::vector<std::atomic<unsigned>> faults_;
   std::vector<unsigned> applied_;
   std::vector<Socket> sockets_;      // connector of each arm's first joint
-  std::vector<std::int64_t> slips_;  // [counts] by which its encoder jumps with kJump
+  std::vector<std::int64_t> slips_;  // [counts] jump of its encoder with kJump
   std::atomic<double> largest_force_{0.0};
-  double now_ = 0.0, reached_ = 0.0;  // [s] of the stepped clock
+  double now_ = 0.0, reached_ = 0.0;  // [s] stepped clock, and the time to which the world is simulated
   std::function<void(const EmulatedInstant&)> watcher_;
   EmulatedInstant instant_;
 };

@@ -20,7 +20,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kUninterrupted = 2e-6;           // [s] between two clock readings without an interruption
+constexpr double kUninterrupted = 2e-6;           // [s] largest time between two clock readings without an interruption
 constexpr double kLongestQueue = 0.1;             // [s] largest delay of a datagram in the socket
 
 double seconds_of(const timespec& at) {

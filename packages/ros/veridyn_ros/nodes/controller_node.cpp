@@ -20,7 +20,7 @@ namespace {
 
 using veridyn::VectorXd;
 
-constexpr double kLostMotors = 0.02;  // [s] without positions: no torque is computed from them
+constexpr double kLostMotors = 0.02;  // [s] age of positions above which no torque is computed from them
 constexpr double kOverrun = 0.5;      // share of a period by which a cycle counts as late
 constexpr long kTold = 100;           // cycles between two reports of the loop's timing
 

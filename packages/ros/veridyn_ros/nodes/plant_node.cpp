@@ -30,7 +30,7 @@ struct Arm {
   VectorXd acting;
   Snapshot<MotorTorque> asked;
   MotorTorque now;
-  Spread* answered = nullptr;  // [s] from positions to the torques that answer them
+  Spread* answered = nullptr;  // [s] times from positions to the torques that answer them
   ros::Subscriber servo_jf;
   ros::Publisher measured_js;
   sensor_msgs::JointState message;

@@ -29,7 +29,7 @@ using Eigen::Vector3d;
 using visualization_msgs::Marker;
 
 constexpr std::size_t kTrail = 400;        // number of positions of a tip that are shown
-constexpr double kTrailStep = 0.0005;      // [m] between two of these positions
+constexpr double kTrailStep = 0.0005;      // [m] distance of two of these positions
 constexpr double kLeastForce = 0.05;       // [N] least force that is shown
 
 struct Arm {

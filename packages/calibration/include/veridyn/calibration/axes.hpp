@@ -30,7 +30,7 @@ struct CalibratedAxis {
   Eigen::Vector3d point{0, 0, 0};  ///< [m] point of the axis nearest to the markers of `b`
   double radius_angle = 0.0;       ///< [rad] 95 % bound on the error of the direction
   double radius = 0.0;  ///< [m] 95 % bound on the distance of the true axis from the point
-  double range = 0.0;   ///< [rad] from the smallest to the largest angle
+  double range = 0.0;   ///< [rad] difference of the largest and the smallest angle
   /// [rad] rms rotation about other axes, from the relative poses alone (closed form)
   double wobble = 0.0;
   double play = 0.0;  ///< [m] rms translation across the axis, likewise

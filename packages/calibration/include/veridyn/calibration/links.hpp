@@ -73,7 +73,7 @@ struct LinksCalibration {
   std::optional<Model> model;  ///< the robot with the constants found
   std::vector<Eigen::Vector3d> positions;  ///< [m] measured, in the frame of the cameras, for drawings
   MatrixXd joints;  ///< (frames x joints) [rad], [m] as recorded, for drawings
-  std::vector<double> residuals, residual_angles;  ///< [m], [rad] of every frame
+  std::vector<double> residuals, residual_angles;  ///< [m], [rad] residuals, one per frame
   double seconds = 0.0;
 
   std::string report() const;

@@ -27,8 +27,8 @@ struct RemoteCenter {
   std::string reason;  ///< reason if it is not identifiable; empty if it is
   std::string source, body;
   int frames = 0, outliers = 0;
-  Eigen::Vector3d rcm{0, 0, 0};  ///< [m] in the frame of the cameras (b_post)
-  Eigen::Vector3d tip{0, 0, 0};  ///< [m] in the body (b_tip)
+  Eigen::Vector3d rcm{0, 0, 0};  ///< [m] position in the frame of the cameras (b_post)
+  Eigen::Vector3d tip{0, 0, 0};  ///< [m] position in the frame of the body (b_tip)
   /// [m] scatter of rcm computed from single frames, per axis (thesis Table 6.1)
   Eigen::Vector3d rms{0, 0, 0};
   Eigen::Vector3d rms_all{0, 0, 0};  ///< [m] likewise, outliers included

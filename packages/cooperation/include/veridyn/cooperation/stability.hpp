@@ -87,7 +87,7 @@ struct ReplacedRate {
 /// bisection over nonlinear simulations.
 struct StabilityAnalysis {
   std::string name;
-  double period = 0.0;  ///< [s] of the control loop
+  double period = 0.0;  ///< [s] period of the control loop
   int cycles = 1;       ///< number of control cycles of the eigenvalues
   std::vector<ReplacedRate> replaced_rates;
   int states = 0;
@@ -99,7 +99,7 @@ struct StabilityAnalysis {
   StabilityMargins margins;                ///< margins at the worst point
   /// [N/m] below which the scenario comes to rest, with dry friction
   double largest_stable_stiffness = 0.0;
-  double linear_stable_stiffness = 0.0;    ///< [N/m] the same for sliding arms
+  double linear_stable_stiffness = 0.0;    ///< [N/m] the same without dry friction, for sliding arms
   int simulated_runs = 0;                  ///< number of nonlinear simulations
   double smallest_stable_stiffness = 0.0;  ///< [N/m] lower limit, searched from the scenario's own stiffness
   bool stiffness_bounded = false;          ///< false: stable up to the end of the search

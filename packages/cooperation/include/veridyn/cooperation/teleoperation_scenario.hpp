@@ -10,9 +10,9 @@ namespace veridyn {
 
 /// Action of the operator in one phase of the scenario.
 struct TeleoperationStep {
-  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] of the hand, in the world
+  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] displacement of the hand, in the world
   double over = 1.0;                   ///< [s] duration of the motion
-  bool clutch = true;                  ///< engaged
+  bool clutch = true;                  ///< true if the clutch is engaged
 };
 
 /// A scenario with two arms in bilateral teleoperation. Its key `teleoperation`:

@@ -79,7 +79,7 @@ class World {
   Eigen::Vector3d grasp_force(int body, int grasp) const;
   HeldBody body(int index) const;  ///< present pose and velocity
   Eigen::Vector3d body_velocity(int index) const;
-  Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] in the world
+  Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] angular velocity in the world
 
   /// Work of the arms on all objects since set_state() [J].
   double work_on_objects() const;

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSameTime = 1e-9;   // [s], as in ForceSensor
+constexpr double kSameTime = 1e-9;   // [s] tolerance of equal times, as in ForceSensor
 constexpr double kLongestDelay = 1000.0;  // cycles: each is a state of a dense matrix
 constexpr int kOneByOne = 24;             // equal cycles in a row, above which a power of their map is used
 

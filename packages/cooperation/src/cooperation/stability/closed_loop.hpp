@@ -13,7 +13,7 @@ struct LinearElement {
   std::optional<int> from = {}, to = {};  ///< arms; nothing: the world
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall, whose line does not turn
-  double force = 0.0;      ///< [N] at the equilibrium, tension positive
+  double force = 0.0;      ///< [N] tension at the equilibrium
   bool attached = true;    ///< false: released, without force
 };
 
@@ -120,7 +120,7 @@ class ClosedLoop {
   LoopSettings settings_;
   std::vector<Arm> arm_;
   std::vector<Element> element_;
-  MatrixXd transition_, input_;  // of positions and velocities of all joints over one cycle
+  MatrixXd transition_, input_;  // maps of positions and velocities of all joints over one cycle
   double period_ = 1e-3;
   double p_ = 0.0;                    // pole of the velocity observer
   double observer_ = 0.0;             // [1/s] bandwidth of the observer of model errors

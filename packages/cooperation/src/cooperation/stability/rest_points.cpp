@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kNewtonSteps = 20;
-constexpr double kPeriod = 0.01;     // [s] of the planned motion
+constexpr double kPeriod = 0.01;     // [s] sampling period of the planned motion
 constexpr double kNoCheck = 1e9;      // [N] bound so large that the check is off
 constexpr double kLeastForce = 1.0;  // [N] contact force on a wall at the equilibrium
 

@@ -24,7 +24,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSettled = 0.2;     // [s] at rest after the last phase
+constexpr double kSettled = 0.2;     // [s] duration of the rest after the last phase
 constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
 constexpr double kStands = 1e-3;     // [m/s] speed of a target that rests
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // for quantities that are not measured on boards
@@ -376,7 +376,7 @@ class BoardRun : private BoardLoop {
   std::vector<Sensor> channels_;
   std::vector<ForceReading> readings_;  // readings of members, then of the channels of walls
   std::vector<WallChannel> wall_channels_;
-  std::vector<Vector3d> wall_channel_values_;  // [N] by wall
+  std::vector<Vector3d> wall_channel_values_;  // [N] latest readings of the channels, by wall
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   const std::vector<TipTarget>* targets_ = nullptr;

@@ -214,7 +214,7 @@ void BoardLoop::wait_for_sensors(std::vector<Sensor>& sensors) {
   std::vector<double> good_since(count, -1.0);
   std::vector<long> before(count, 0), readings(count, 0);  // number of readings at good_since, and since then
   std::vector<long> numbers(count, 0);
-  std::vector<double> last(count, -1.0);  // [s] of the last reading
+  std::vector<double> last(count, -1.0);  // [s] time of the last reading
   const double begun = time_;
   const auto heard = [&](std::size_t k) { return good_since[k] >= 0.0 && now_ - good_since[k] >= kHeard; };
   for (const double until = time_ + options_.sensor_patience; !stopped();) {

@@ -33,7 +33,7 @@ class BoardLoop {
   struct Sensor {
     std::string name;
     std::unique_ptr<ForceChannel> channel;
-    double rate = 0.0;  ///< [Hz] of readings that the scenario assumes
+    double rate = 0.0;  ///< [Hz] rate of readings that the scenario assumes
     long jumps = 0;     ///< ForceChannel::jumps() until now
   };
   /// Opens a source; readings that jump by more than forces can are rejected.
@@ -141,7 +141,7 @@ class BoardLoop {
   struct Watched {
     Eigen::Vector3d from{Eigen::Vector3d::Zero()};
     double moved = 0.0, at_fault = 0.0;  // [m] displacement; speed at the fault as a share of the velocity limits
-    std::optional<double> rest, off;     // [s] from the fault to rest; time of power-off
+    std::optional<double> rest, off;     // [s] duration from the fault to rest; time of power-off
     bool known = true, began = false;
   };
   struct Later {

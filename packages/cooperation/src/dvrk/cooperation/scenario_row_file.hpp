@@ -31,7 +31,7 @@ class ScenarioRowFile {
   const ScenarioRun& run_;
   std::string path_, aside_;
   bool named_ = false;
-  std::error_code ignored_;  // of renaming: a file that keeps its temporary name does not count as a recording
+  std::error_code ignored_;  // error of renaming: a file that keeps its temporary name does not count as a recording
   std::ofstream file_;
   std::atomic<Eigen::Index> rows_{0};
   std::atomic<bool> ends_{false};

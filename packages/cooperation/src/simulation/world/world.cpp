@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation per substep
+constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] largest phase of the fastest oscillation per substep
 constexpr double kSubstepDecay = 0.2;         // largest product of decay rate and substep
 constexpr double kAhead = 0.01;               // [m] allowance for the depth of a tip in a wall between these updates
 constexpr int kReview = 20;                   // steps between updates of the stiffness estimate

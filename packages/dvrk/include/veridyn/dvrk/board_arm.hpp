@@ -16,9 +16,9 @@ struct BoardArmOptions {
   std::string instrument;       ///< instrument of a known arm, which couples its discs
   std::string host = "127.0.0.1";
   std::uint16_t port = 1394;
-  double rate = 1000.0;          ///< [Hz] of the cycle
-  double watchdog = 0.030;       ///< [s] without a command after which boards switch off
-  double reply_timeout = 0.004;  ///< [s] for all replies of a cycle
+  double rate = 1000.0;          ///< [Hz] rate of the cycle
+  double watchdog = 0.030;       ///< [s] time without a command after which boards switch off
+  double reply_timeout = 0.004;  ///< [s] limit for all replies of a cycle
 };
 
 /// One arm behind dVRK boards, real or emulated, for your own control loop:

@@ -34,7 +34,7 @@ struct EmulatorFaults {
   ReplyFault reply = ReplyFault::kNone;
   int replies = 0;                    ///< Number of replies; -1: all
   int node = -1;                      ///< This node alone; -1: any
-  double delay = 0.005;               ///< [s] for kDelay
+  double delay = 0.005;               ///< [s] delay of a kDelay reply
   std::uint8_t flags = 0;             ///< set in every trailer
   std::uint8_t packet_errors = 0;     ///< the count in every trailer
   std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
@@ -45,7 +45,7 @@ struct EmulatorFaults {
 /// One reply of the emulator; size 0: none.
 struct Answer {
   std::size_t size = 0;
-  double delay = 0.0;    ///< [s] after which it leaves
+  double delay = 0.0;    ///< [s] time after which it leaves
   bool foreign = false;  ///< true if it must be sent from another address
 };
 

@@ -71,8 +71,8 @@ class PsmKinematics {
                    const Joints& near, bool& singular) const noexcept;
 
   double remote_;  ///< [m] insertion at which the frame of insertion is in the remote centre
-  double shaft_;   ///< [m] from there to the wrist
-  double wrist_;   ///< [m] between the axes of the wrist
+  double shaft_;   ///< [m] distance from there to the wrist
+  double wrist_;   ///< [m] distance of the axes of the wrist
   Eigen::Matrix4d T_tip_last_;
   JointRanges<6> ranges_;
 };
@@ -117,10 +117,10 @@ class MtmKinematics {
  private:
   Eigen::Matrix3d platform_orientation(const Joints& q) const noexcept;
 
-  double height_;   ///< [m] of the shoulder
+  double height_;   ///< [m] height of the shoulder
   double upper_;    ///< [m] length of the upper arm
   double forearm_;  ///< [m]
-  double offset_;   ///< [m] of the wrist across the forearm
+  double offset_;   ///< [m] offset of the wrist across the forearm
   Eigen::Matrix4d T_tip_last_;
   JointRanges<7> ranges_;
   JointRanges<3> position_ranges_;  ///< Position ranges of yaw, shoulder, elbow

@@ -15,7 +15,7 @@ struct GravityRow {
   bool prismatic = false;
   DhRow dh;                      ///< modified
   double mass = 0.0;             ///< [kg]; see GravityChain
-  Eigen::Vector3d com{0, 0, 0};  ///< [m] in the link's frame
+  Eigen::Vector3d com{0, 0, 0};  ///< [m] center of mass in the link's frame
 };
 
 /// A serial chain of DH rows with a mass and a centre in each link that has the same gravity torques as an

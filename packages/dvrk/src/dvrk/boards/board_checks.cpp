@@ -12,7 +12,7 @@ namespace {
 constexpr double kDisabledLimit = 524.0;    // 100 mA
 constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
 constexpr double kNearLargest = 0.95;  // share of the largest current above which a motor may be stalled
-constexpr double kRelayGrace = 0.050;  // [s] after which the relay's contacts must have closed
+constexpr double kRelayGrace = 0.050;  // [s] time within which the relay's contacts must close
 
 }  // namespace
 

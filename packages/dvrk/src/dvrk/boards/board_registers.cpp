@@ -113,7 +113,7 @@ void BoardBus::read_by_register() noexcept {
 std::string BoardBus::qla_serial(int b) {
   constexpr std::uint32_t kReadFromStart = 0xFE000000;
   constexpr std::uint32_t kQuadlets = 3;
-  constexpr double kReading = 0.001;  // [s] for which the board reads its memory
+  constexpr double kReading = 0.001;  // [s] duration of the board's access to its memory
   const std::string kPrefix = "QLA ";
   QuadletView block;
   if (!write_register(b, address::kQlaPromCommand, kReadFromStart | (kQuadlets - 1))) return "";

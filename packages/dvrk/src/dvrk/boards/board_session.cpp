@@ -9,9 +9,9 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
-constexpr double kObeyBlocks = 0.005;     // [s] in which blocks must show "off"; otherwise registers are written
+constexpr double kObeyBlocks = 0.005;     // [s] within which blocks must show "off"; otherwise registers are written
 constexpr double kObeyRegisters = 0.020;  // [s] in which boards must obey; afterwards this program is silent, so that the watchdog switches off
-constexpr double kBlind = 0.1;  // [s] after which boards that do not answer are left to their watchdog, once
+constexpr double kBlind = 0.1;  // [s] time after which boards that do not answer are left to their watchdog, once
 constexpr double kBite = 2.0;   // duration of that silence, in watchdog periods
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kOffRepeats = 3;  // smallest number of times that "off" is sent
 constexpr int kConfirmations = 2;
-constexpr double kOffPause = 0.001;  // [s] between repeats
+constexpr double kOffPause = 0.001;  // [s] time between repeats
 
 }  // namespace
 

@@ -17,7 +17,7 @@ struct ArmJoint {
   std::optional<DhRow> dh;  ///< nullopt: the joint moves no frame (the jaw)
   double lower = 0.0;       ///< [rad] or [m]
   double upper = 0.0;
-  double velocity = 0.0;  ///< largest [rad/s] or [m/s]; 0: unknown
+  double velocity = 0.0;  ///< largest velocity [rad/s] or [m/s]; 0: unknown
 };
 
 /// One motor with its gear, encoder and pot, before calibration.

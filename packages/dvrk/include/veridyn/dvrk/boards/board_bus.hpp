@@ -42,7 +42,7 @@ struct BusOptions {
   /// [s] after which a read without a reply is repeated within a cycle (Exchange); 0: never. A reply takes
   /// 0.15 ms, so that the rest of the cycle is sufficient for the wait.
   double repeat_after = 0.001;
-  double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
+  double rescan_timeout = 0.005;     ///< [s] limit per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
   /// FireWire connects the boards, although the hub is an FPGA V3 with firmware 9, which otherwise means a
   /// bus of Ethernet alone.

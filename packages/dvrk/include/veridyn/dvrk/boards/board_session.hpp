@@ -22,7 +22,7 @@ struct ChannelSafety {
   LinearScale counts_to_position;
   LinearScale pot_to_position;
   double pot_tolerance = 0.0;
-  double pot_latency = 0.010;   ///< [s] for which the tolerance may be exceeded
+  double pot_latency = 0.010;   ///< [s] time for which the tolerance may be exceeded
   bool watch_pot_rail = false;  ///< a pot at an end of its converter prevents power-up
   double rest_counts = 0.0;     ///< motion during SessionOptions::stall below which a motor stands still; 0: not checked
 };
@@ -51,11 +51,11 @@ struct SessionOptions {
   int current_cycles = 100;        ///< cycles of a current without an amplifier, then power off (specification 14.6)
   CurrentFollowing follow;
   double stall = 0.25;             ///< [s] near its largest current at a standstill, after which power is switched off
-  double relay_timeout = 0.2;      ///< [s] for the relays to close
-  double supply_timeout = 3.0;     ///< [s] for the motor supply to come up
+  double relay_timeout = 0.2;      ///< [s] limit for the relays to close
+  double supply_timeout = 3.0;     ///< [s] limit for the motor supply to come up
   double amp_grace = 0.0455;       ///< [s] for an amplifier to come up: 42.5 ms (section 14.2) and 3 ms of transmission
   double off_timeout = 0.5;        ///< [s] within which boards must confirm that they are off
-  double warm = 60.0, hot = 65.0;  ///< [degC] above which a board is reported, and switched off
+  double warm = 60.0, hot = 65.0;  ///< [degC] limits above which a board is reported, and switched off
 };
 
 /// Status of the boards after switching off.

@@ -17,7 +17,7 @@ struct Arrival {
   bool any = false;
   std::size_t size = 0;      ///< bytes, cut at the buffer's end
   bool known_source = true;  ///< true if its source is an address of the boards
-  double lay = 0.0;          ///< [s] between its arrival and its receipt by this program
+  double lay = 0.0;          ///< [s] time between its arrival and its receipt by this program
 };
 
 /// The connection to the boards, with its clock: UDP, or an emulator in the same process with a

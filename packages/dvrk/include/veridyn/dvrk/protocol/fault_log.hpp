@@ -63,7 +63,7 @@ std::string describe_found(Condition condition, std::uint32_t value);
 /// History of one condition.
 struct FaultEntry {
   long count = 0;
-  double last = 0.0;        ///< [s] of the link's clock
+  double last = 0.0;        ///< [s] time of the last one by the link's clock
   std::optional<int> board = {};    ///< id of the last one; nullopt: the bus
   std::optional<int> channel = {};  ///< channel from 0; nullopt: the whole board
   std::uint32_t value = 0;  ///< the last value found, see describe_found()

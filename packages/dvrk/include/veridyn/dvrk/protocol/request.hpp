@@ -13,7 +13,7 @@ enum class Malformed {
   kNone,
   kLength,  ///< too short, or a length that contradicts its own fields
   kBus,     ///< destination bus is not 0x3FF
-  kTcode    ///< not part of the protocol
+  kTcode    ///< the transaction code does not belong to the protocol
 };
 
 

@@ -23,10 +23,10 @@ enum class ControlLaw {
 
 struct ModelControlOptions {
   ControlLaw law = ControlLaw::kComputedTorque;
-  double frequency = 20.0;   ///< [rad/s] of both poles of the position error
+  double frequency = 20.0;   ///< [rad/s] magnitude of both poles of the position error
   std::string tip;           ///< frame of the impedance; empty: see default_tip()
   double tip_mass = 2.0;     ///< [kg] apparent mass of the tip
-  double stiffness = 800.0;  ///< [N/m] of the tip; damping is critical
+  double stiffness = 800.0;  ///< [N/m] stiffness of the tip; damping is critical
   /// The user's gains in place of those computed from `frequency`, `tip_mass` and `stiffness`.
   std::optional<JointGains> joint_gains;
   std::optional<ImpedanceGains> tip_gains;
