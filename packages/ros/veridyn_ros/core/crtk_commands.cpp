@@ -11,7 +11,7 @@ namespace {
 using namespace veridyn;
 using Kind = Command::Kind;
 
-constexpr double kReach = 0.1;        // [s] duration at the velocity limit: a farther setpoint is refused
+constexpr double kReach = 0.1;  // [s] duration at the velocity limit: a farther setpoint is refused
 constexpr double kLeastMove = 0.2;    // [s] shortest duration of a move
 constexpr double kAccelerate = 0.25;  // [s] time to reach the velocity of a move
 

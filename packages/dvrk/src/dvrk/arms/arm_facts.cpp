@@ -13,7 +13,7 @@ namespace {
 // Usual tolerance of dVRK configurations between pots and encoders.
 constexpr double kPotTolerance = 5.0 * M_PI / 180.0;  // [rad]
 constexpr double kPotToleranceLength = 0.005;         // [m] tolerance for a prismatic joint
-constexpr double kPotLatency = 0.01;                  // [s] time for which the tolerance may be exceeded
+constexpr double kPotLatency = 0.01;  // [s] time for which the tolerance may be exceeded
 
 ActuatorConfig nominal_actuator(const ArmActuator& facts, const std::vector<int>& boards) {
   ActuatorConfig actuator;

@@ -28,7 +28,7 @@ struct ArmActuator {
   int axis = 0;
   double direction = 1.0;        ///< 1, or -1 if the encoder is mounted reversed
   double counts = 0.0;           ///< Encoder counts per turn of the motor
-  double gear = 0.0;             ///< turns of the motor per turn of the actuator; [rad/m] if prismatic
+  double gear = 0.0;  ///< turns of the motor per turn of the actuator; [rad/m] if prismatic
   double torque_constant = 0.0;  ///< Torque constant of the motor [N m/A]
   double max_current = 0.0;      ///< [A] largest current of the motor
   double lower = 0.0;            ///< soft limits [rad] or [m]
