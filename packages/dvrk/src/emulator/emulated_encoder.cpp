@@ -56,7 +56,7 @@ void EmulatedEncoder::move(double counts, Ticks now) noexcept {
   const auto time_of = [&](std::int64_t crossing) {
     return start + (static_cast<double>(crossing) - counts_) * rate;
   };
-  // Only the last of many edges are stored.
+  // Only the last edges are stored.
   if (target > count_) {
     std::int64_t k = count_ + 1;
     if (target - k > 6) {

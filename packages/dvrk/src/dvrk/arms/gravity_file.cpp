@@ -31,7 +31,7 @@ Json row_json(const GravityRow& row) {
           {"cz", row.com.z()}};
 }
 
-// The index of a column called prefix + "3": 2; -1 for other columns.
+// Index of the joint of a column: 2 for prefix + "3"; -1 for other columns.
 int joint_of(const std::string& column, const std::string& prefix) {
   if (column.rfind(prefix, 0) != 0 || column.size() == prefix.size()) return -1;
   int joint = 0;

@@ -119,7 +119,7 @@ bool BoardBus::set_watchdog(double seconds) noexcept {
   if (listens()) return false;
   const double counts = std::round(seconds * kTicksPerSecond / kWatchdogTicks);
   watchdog_counts_ = static_cast<std::uint32_t>(std::clamp(counts, 1.0, 65535.0));
-  // Never the power-up value, so that a restarted board can be recognised.
+  // The watchdog never gets its power-up value, so that a restarted board can be recognised.
   if (watchdog_counts_ == kWatchdogDefault) ++watchdog_counts_;
   bool all = true;
   for (int b = 0; b < boards(); ++b) {

@@ -23,7 +23,7 @@ ChannelCommand channel_of(std::uint32_t word) noexcept {
   return c;
 }
 
-// The same for Rev 7, where bits 27:24 hold the board id instead of amplifier and mode: specification 10.4.
+// The word of a DAC for Rev 7, where bits 27:24 hold the board id instead of amplifier and mode: specification 10.4.
 std::uint32_t dac_word_rev7(const ChannelCommand& c, std::uint8_t board) noexcept {
   return (c.valid ? 0x80000000U : 0U) | (c.collect ? 0x40000000U : 0U) |
          (static_cast<std::uint32_t>(board & 0xF) << 24) | c.value;

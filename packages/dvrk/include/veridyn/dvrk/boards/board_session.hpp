@@ -43,7 +43,7 @@ struct CurrentFollowing {
 
 struct SessionOptions {
   BusOptions bus;
-  /// By index of the board in ascending ids; missing boards have no channel in use.
+  /// Limits by index of the board in ascending ids; missing boards have no channel in use.
   std::vector<std::array<ChannelSafety, kChannels>> channels;
   double watchdog = 0.030;         ///< [s]; 0 is refused (specification 14.1)
   int lost_reads = 3;              ///< successive lost reads after which power is switched off

@@ -31,7 +31,7 @@ struct EncoderMotion {
 /// quarters shorter than 2000 ticks, 41 us.
 constexpr double kAccelerationThreshold = 0.0005;
 
-/// Counts, -2^23 .. 2^23 - 1.
+/// Position in counts, -2^23 .. 2^23 - 1.
 std::int32_t encoder_counts(std::uint32_t position) noexcept;
 
 /// True if the counter has overflowed since it was loaded: positions are invalid.
