@@ -50,7 +50,7 @@ TEST_F(Analysis, StabilityJsonHasTheKeysOfTheContract) {
 }
 
 // What --set changes is what is analysed: beyond the largest stable stiffness the loop is not.
-TEST_F(Analysis, SetChangesTheScenario) {
+TEST_F(Analysis, TheSetOptionChangesTheAnalysedScenario) {
   ASSERT_EQ(run_tool({"stability", example("two-arms-spring"), "--json", path("a.json"), "--quiet"}).status, 0);
   const double most = json_of(path("a.json"))["linear_stable_stiffness"].get<double>();
   for (const double factor : {0.97, 1.03}) {
@@ -141,7 +141,7 @@ TEST_F(Analysis, InverseKinematicsInvertsForwardKinematics) {
   }
 }
 
-TEST_F(Analysis, PagesRenderWithoutFaults) {
+TEST_F(Analysis, StabilityAndKinematicsPagesRenderWithoutFaults) {
   if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
   ASSERT_EQ(run_tool({"stability", example("two-arms-spring"), "--locus", "gain=0.05:20:12", "--map",
                       "stiffness=500:50000:8,delay=0:0.02:6", "--report", path("s.html"), "--quiet"})

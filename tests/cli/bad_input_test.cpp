@@ -46,7 +46,7 @@ class BadInput : public testing::Test {
 };
 
 // Every option that writes a file: none goes over a file that is read.
-TEST_F(BadInput, NoOutputGoesOverAnInput) {
+TEST_F(BadInput, AnOutputPathEqualToAnInputIsRefused) {
   const std::string content = planar_recording(3.0);
   const std::string recording = folder_.write("recording.csv", content);
   const std::string list = folder_.write("list.csv", "a,recording.csv\nb,x.csv\nc,y.csv\n");
@@ -77,7 +77,7 @@ TEST_F(BadInput, AMissingRecordingIsNamed) {
 }
 
 // A folder opens like a file, and reading it fails: everywhere in one line that says so.
-TEST_F(BadInput, AFolderInPlaceOfAFileIsRefused) {
+TEST_F(BadInput, AFolderGivenAsAFileIsRefused) {
   const std::string folder = folder_.path("folder");
   ASSERT_TRUE(std::filesystem::create_directory(folder));
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
@@ -113,7 +113,7 @@ TEST_F(BadInput, AMotionWithAGapIsRefused) {
   expect_refused(run, 3, {"recording.csv", "gap", "row 3"});
 }
 
-TEST_F(BadInput, MissingRobotSuggestsOne) {
+TEST_F(BadInput, AnUnknownRobotIsRefusedWithASuggestion) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   expect_refused(identify("planar-3r", recording), 3, {"planar-3r", "planar-2r"});
 }
@@ -153,7 +153,7 @@ TEST_F(BadInput, TextInANumberIsRefusedWithItsPlace) {
 }
 
 // No error: recorders write rows twice.
-TEST_F(BadInput, TimeThatStandsStillIsRemarked) {
+TEST_F(BadInput, ARepeatedTimeStampIsRemarked) {
   const ToolRun run = identify("planar-2r", with_line(57, "0.54,1,2,3,4,5,6"));
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("1 row repeats the time stamp before"), std::string::npos)
@@ -180,14 +180,14 @@ TEST_F(BadInput, WrongColumnsOfAHeaderlessFileAreRefused) {
   expect_refused(run, 3, {"recording.csv", "7"});
 }
 
-TEST_F(BadInput, ARecordingOfGapsIsRefused) {
+TEST_F(BadInput, ARecordingOfGapsAloneIsRefused) {
   std::string content = "t,q1,q2,dq1,dq2,tau1,tau2\n";
   for (int k = 0; k < 300; ++k) content += std::to_string(0.01 * k) + ",nan,nan,nan,nan,nan,nan\n";
   const ToolRun run = identify("planar-2r", folder_.write("recording.csv", content));
   expect_refused(run, 3, {"recording.csv"});
 }
 
-TEST_F(BadInput, PlacesThatCannotBeWrittenAreFoundBeforeTheWork) {
+TEST_F(BadInput, AnOutputPathThatCannotBeWrittenIsRefused) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   const std::string nowhere = folder_.path("no-such-folder/out");
   for (const char* option : {"--json", "--model-out"}) {
@@ -198,7 +198,7 @@ TEST_F(BadInput, PlacesThatCannotBeWrittenAreFoundBeforeTheWork) {
   expect_refused(info, 3, {"folder"});
 }
 
-TEST_F(BadInput, AnOldResultSurvivesAFailure) {
+TEST_F(BadInput, AnExistingResultFileIsKeptIfTheCommandFails) {
   const std::string old = folder_.write("out.json", "old");
   const ToolRun run = run_tool(
       {"identify", "planar-2r", "--train", folder_.path("missing.csv"), "--json", old, "--quiet"});
@@ -272,7 +272,7 @@ TEST_F(BadInput, EveryCommandExitsWithStatus4OnUndeterminedData) {
 }
 
 // Numbers whose squares are none: refused where the robot is read, and not left to a decomposition.
-TEST_F(BadInput, NumbersOfNoArmAreRefusedWithTheRobot) {
+TEST_F(BadInput, ARobotFileWithExcessiveNumbersIsRefused) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   const TemporaryFolder other;
   ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", other.path("good.yaml"), "--quiet"}).status, 0);
@@ -297,7 +297,7 @@ TEST_F(BadInput, NumbersOfNoArmAreRefusedWithTheRobot) {
 }
 
 // The default filter does not fit a rate as low as this: the recording is bad input, and no option was wrong.
-TEST_F(BadInput, ALowRateIsReportedAsTheRecordings) {
+TEST_F(BadInput, ASamplingRateTooLowForTheDefaultFilterIsRefused) {
   const std::string slow = changed(planar_recording(12.0), [](std::vector<double>& v) { v[0] *= 1e3; }, 1200);
   const std::string recording = folder_.write("recording.csv", slow);
   const ToolRun run = identify("planar-2r", recording);
@@ -341,7 +341,7 @@ TEST_F(BadInput, AnExportThatIsRefusedLeavesNoFile) {
   expect_refused(run_tool(Words{"export", good, "--mjcf", folder_.path("e.xml"), "--into", own} + all), 3, {"own.xml"});
 }
 
-TEST_F(BadInput, ASlowFilterIsRefusedInEveryCommand) {
+TEST_F(BadInput, AFilterCutOffBelowOneMillihertzIsRefusedInEveryCommand) {
   const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
   const std::vector<Words> commands = {{"identify", "planar-2r", "--train", recording},
                                        {"diagnose", "planar-2r", "--train", recording, "--test", recording},
@@ -360,7 +360,7 @@ TEST_F(BadInput, CheckNamesTheUnreadableFile) {
   expect_refused(run, 3, {"missing.csv"});
 }
 
-TEST(ProgramFault, AFullDiskBehindStandardOutputIsNotSuccess) {
+TEST(ProgramFault, WritingStandardOutputToAFullDiskIsAFailure) {
   if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
   const std::string command =
       std::string(VERIDYN_TOOL) + " info planar-2r > /dev/full 2> /dev/null";
@@ -368,7 +368,7 @@ TEST(ProgramFault, AFullDiskBehindStandardOutputIsNotSuccess) {
 }
 
 // Insertion moves the tip along the tool: no point of it keeps its place.
-TEST(RemoteCentre, IsNotGivenWhereNoneExists) {
+TEST(RemoteCentre, IsRefusedForATipThatSlidesAlongItsTool) {
   const TemporaryFolder folder;
   std::string joints = "q1,q2,q3\n";
   for (int k = 0; k < 30; ++k)
@@ -383,7 +383,7 @@ TEST(RemoteCentre, IsNotGivenWhereNoneExists) {
   EXPECT_NE((run.out + run.err).find("contradict any centre"), std::string::npos) << run.out << run.err;
 }
 
-TEST(RepeatedRecordings, AreWarnedOfUnderAnyName) {
+TEST(RepeatedRecordings, AreWarnedOfEvenUnderAnotherName) {
   const TemporaryFolder folder;
   const std::string one = folder.write("one.csv", planar_recording(3.0));
   const std::string copy = folder.write("copy.csv", planar_recording(3.0));

@@ -75,7 +75,7 @@ bool has(const Words& all, const std::string& wanted) {
 
 // 5 % of the comparisons may call an unchanged arm different. Of ten, more than two would then be
 // one case in a hundred.
-TEST_F(Compare, AnUnchangedArmIsSeldomReportedAsDifferent) {
+TEST_F(Compare, AnUnchangedArmIsRarelyReportedAsDifferent) {
   const std::string first = scara(1, 1);
   int different = 0;
   for (int k = 0; k < 5; ++k) {
@@ -91,7 +91,7 @@ TEST_F(Compare, AnUnchangedArmIsSeldomReportedAsDifferent) {
 
 // The file of the arm gives its wrist 0.08 N m of Coulomb friction, its elbow 1 N m. Of four
 // intervals of 95 % two or more miss in one case in a hundred.
-TEST_F(Compare, FrictionThatGrewByAFifthIsNamed) {
+TEST_F(Compare, FrictionIncreasedByAFifthIsReported) {
   const std::string before = scara(1, 1);
   int intervals = 0;
   int missed = 0;
@@ -116,7 +116,7 @@ TEST_F(Compare, FrictionThatGrewByAFifthIsNamed) {
   EXPECT_LE(missed, 1);
 }
 
-TEST_F(Compare, APayloadShowsInWeightAndInertia) {
+TEST_F(Compare, APayloadIsReportedInWeightAndInertia) {
   const std::string before = scara(1, 1);
   for (const int motion : {1, 2}) {
     const json out = compared(before, scara(motion, 40, {"payload:flange:mass=0.2"}));
@@ -130,7 +130,7 @@ TEST_F(Compare, APayloadShowsInWeightAndInertia) {
   }
 }
 
-TEST_F(Compare, TextAndJsonAgree) {
+TEST_F(Compare, TheTextHasTheSentencesOfTheJson) {
   const std::string before = scara(1, 1);
   const std::string after = scara(2, 2, {"coulomb_friction:elbow:level=0.3"});
   const ToolRun done = run_tool({"compare", before, after, "--json", folder_.path("out.json")});
@@ -213,7 +213,7 @@ TEST_F(CompareRealArms, FrictionOfTheWristDiffersBetweenDays) {
 }
 
 // 100 g more, taped about 16.5 cm from the centre of the parallel link's shaft: 16.5 g m.
-TEST_F(CompareRealArms, AHundredGramsChangeTheMomentOfPitch) {
+TEST_F(CompareRealArms, APayloadOf100GramsIsReportedInTheMomentOfPitch) {
   const json out = compared(wrist("one-105g-parallel"), wrist("one-205g-parallel"));
   EXPECT_TRUE(out["same_motion"].get<bool>());
   const Words all = named(out);

@@ -66,12 +66,12 @@ void expect_alike(const json& a, const json& b, const std::string& where) {
     expect_alike(value, a.is_object() ? b.at(key) : b.at(std::stoul(key)), where + "/" + key);
 }
 
-TEST_F(Repeated, RunsGiveTheSameBytes) {
+TEST_F(Repeated, RunsGiveTheSameResultToTheLastByte) {
   for (const char* command : {"identify", "diagnose"})
     EXPECT_EQ(result_of({command, "planar-2r"}, "2").dump(), result_of({command, "planar-2r"}, "2").dump()) << command;
 }
 
-TEST_F(Repeated, ThreadsChangeNoCauseAndNoNumber) {
+TEST_F(Repeated, TheNumberOfThreadsChangesNoResult) {
   for (const char* command : {"identify", "diagnose"}) {
     const json one = result_of({command, "planar-2r"}, "1");
     if (std::string(command) == "diagnose") {

@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Effect, HideAndSeek,
                            return name.substr(0, name.find(':'));
                          });
 
-TEST_P(HideAndSeek, TheHiddenEffectIsNamedFirstAndGains) {
+TEST_P(HideAndSeek, TheHiddenEffectIsReportedFirstAndReducesTheError) {
   const std::string hidden = GetParam();
   const json out = diagnosis_of(hidden);
   ASSERT_FALSE(out["findings"].empty());
@@ -95,7 +95,7 @@ TEST_F(SimulatedArm, HasNoFindingsIfNothingIsHidden) {
 }
 
 // A model of yesterday, an arm with a load and a stiffer gear today.
-TEST_F(SimulatedArm, WhatChangedSinceTheModelWasMadeIsNamed) {
+TEST_F(SimulatedArm, AChangeSinceTheIdentificationIsReported) {
   const auto record = [&](const std::string& robot, const std::string& name,
                           const std::string& seed, const Words& more) {
     const std::string motion = folder_.path("motion" + seed + ".csv");
@@ -150,7 +150,7 @@ TEST_F(SimulatedArm, WhatChangedSinceTheModelWasMadeIsNamed) {
 
 // Seed errata: the counterweight's row is printed with -beta; its real direction is -90 deg.
 // No error is a share of a torque that is zero: that joint cannot be judged, and the others are.
-TEST(AJointWithoutHeldOutTorque, CannotBeJudged) {
+TEST(AJointWithoutHeldOutTorque, HasTheVerdictCannotTell) {
   const TemporaryFolder folder;
   const auto simulated = [&](const std::string& motion, const char* seed) {
     const std::string out = folder.path(std::string("recording") + seed + ".csv");

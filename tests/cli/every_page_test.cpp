@@ -157,7 +157,7 @@ PageElement arm_of(const OpenedPage& page) {
   return {};
 }
 
-TEST_P(EveryPage, IsSoundWideAndNarrowLightAndDark) {
+TEST_P(EveryPage, RendersWithoutErrorsInEveryWidthAndColourScheme) {
   for (const View view : {kWide, kNarrow, kWideDark, kNarrowDark}) {
     const OpenedPage& opened = this->opened(view);
     const bool dark = view == kWideDark || view == kNarrowDark;
@@ -184,7 +184,7 @@ TEST_P(EveryPage, IsSoundWideAndNarrowLightAndDark) {
   EXPECT_LT(content_of(page()).size(), 2000000u);
 }
 
-TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
+TEST_P(EveryPage, ButtonsSaveFiguresAndUnfoldTables) {
   const OpenedPage& opened = this->opened(kUsed);
   const PageElement root = opened.root();
   EXPECT_EQ(root.at("data-errors"), "0");
@@ -195,7 +195,7 @@ TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
   }
 }
 
-TEST_P(EveryPage, TheSliderMovesTheArmAndTheMarkInTimePlots) {
+TEST_P(EveryPage, TheTimeSliderMovesTheDrawnArmAndTheTimeMark) {
   const OpenedPage& still = opened(kWide);
   if (arm_of(still).tag.empty()) GTEST_SKIP() << "a page without an arm";
   const OpenedPage& moved = opened(kUsed);
@@ -212,7 +212,7 @@ TEST_P(EveryPage, TheSliderMovesTheArmAndTheMarkInTimePlots) {
 
 // ---- a folder
 
-TEST(ProjectPage, HoldsModelsInTheirOrderAndWhatChanged) {
+TEST(ProjectPage, ListsModelsInOrderWithTheirChanges) {
   const TemporaryFolder folder;
   const std::string recording = folder.write("a.csv", planar_recording(20.0));
   for (const char* name : {"one.yaml", "two.yaml"})
@@ -279,7 +279,7 @@ int free_port() {
   return ntohs(where.sin_port);
 }
 
-TEST(ServedPage, ABrowserReceivesThePageAndEveryNewOne) {
+TEST(ServedPage, AConnectedBrowserReceivesThePageAndUpdateEvents) {
   const TemporaryFolder folder;
   const std::string recording = folder.write("a.csv", planar_recording(30.0));
   ASSERT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--model-out",

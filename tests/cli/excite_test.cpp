@@ -74,7 +74,7 @@ TEST(Excite, EstimatesTheNoiseFromARecording) {
 }
 
 // What was asked to be kept clear of is kept, or there is no file.
-TEST(Excite, AnObstacleThatCannotBeKeptIsRefused) {
+TEST(Excite, AnObstacleThatEveryPostureTouchesIsRefused) {
   const TemporaryFolder folder;
   const std::string motion = folder.path("m.csv");
   const Words arm = Words{"excite", "elbow-6r", "-o", motion, "--link-radius", "0.05"} + kQuick;
@@ -206,7 +206,7 @@ TEST(Excite, TheSameSeedWritesTheSameFile) {
   EXPECT_EQ(content_of(folder.path("1")), content_of(folder.path("2")));
 }
 
-TEST(Excite, LimitsThatCannotBeMetAreNamedAndNothingIsWritten) {
+TEST(Excite, InfeasibleLimitsAreReportedAndNoFileIsWritten) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--box",
                                      "tool:5,6,-inf,inf,-inf,inf"} +
@@ -217,7 +217,7 @@ TEST(Excite, LimitsThatCannotBeMetAreNamedAndNothingIsWritten) {
   EXPECT_TRUE(folder.files().empty());
 }
 
-TEST(Excite, LinksKeepAboveAFloorUnlessCollisionsAreOff) {
+TEST(Excite, LinksStayAboveTheFloorUnlessCollisionChecksAreOff) {
   const TemporaryFolder folder;
   const Words arm = {"excite", "elbow-6r", "-o", folder.path("m.csv"), "--json", folder.path("m.json"), "--link-radius", "0.05",
                      "--criterion", "d-optimal", "--harmonics", "3", "--starts", "1", "--iterations", "5", "--quiet"};
@@ -244,7 +244,7 @@ TEST(Excite, LinksKeepAboveAFloorUnlessCollisionsAreOff) {
   }
 }
 
-TEST(Excite, RivalsAreReportedWithTheirRemainder) {
+TEST(Excite, TheSeparableShareOfTwoCausesIsReported) {
   const TemporaryFolder folder;
   const ToolRun run =
       run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
@@ -260,7 +260,7 @@ TEST(Excite, RivalsAreReportedWithTheirRemainder) {
 }
 
 // Every number of the page's text is in the JSON, the plots are drawn, and nothing fails.
-TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
+TEST(Excite, EveryNumberOfThePageIsInTheJson) {
   if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
   const TemporaryFolder folder;
   const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--report",
@@ -318,7 +318,7 @@ TEST(Excite, RelativeDeviationsAndEssentialParametersAreInTheFile) {
     EXPECT_EQ(identified[b]["name"].get<std::string>(), predicted[b]["name"].get<std::string>());
 }
 
-TEST(Excite, TheFileHasTheSlowPassesAfterTheLastPeriod) {
+TEST(Excite, SlowPassesExtendTheFileByTheirDuration) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
                                      folder.path("m.json"), "--slow-passes", "2"} +
@@ -333,7 +333,7 @@ TEST(Excite, TheFileHasTheSlowPassesAfterTheLastPeriod) {
 
 // What is recorded with noisy velocities counts as what it is: half of the information is there
 // already, and not more.
-TEST(Excite, NoiseOfGivenRecordingsAddsNoInformation) {
+TEST(Excite, NoisyVelocitiesOfAGivenRecordingAddNoInformation) {
   const TemporaryFolder folder;
   const auto path = [&](const char* name) { return folder.path(name); };
   ASSERT_EQ(run_tool(Words{"excite", "psm-3dof", "-o", path("m.csv")} + kQuick).status, 0);
@@ -386,7 +386,7 @@ TEST(Excite, RangesInDegreesAreRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("m.csv")));
 }
 
-TEST(Excite, AJointThatIsHeldIsLeftOutAndReadingOptionsNeedARecording) {
+TEST(Excite, AFixedJointIsLeftOutOfTheMotion) {
   const TemporaryFolder folder;
   const Words held = Words{"excite", "planar-2r", "-o", folder.path("m.csv")} + kQuick;
   const ToolRun run = run_tool(held + Words{"--fix", "elbow=0.3"});
@@ -402,7 +402,7 @@ TEST(Excite, AJointThatIsHeldIsLeftOutAndReadingOptionsNeedARecording) {
 
 // What `diagnose` prints as the next experiment is a command that runs as it stands, and its
 // recording settles the question.
-TEST(Excite, TheDesignedMotionSeparatesItsRivals) {
+TEST(Excite, TheMotionThatDiagnosePrintsSeparatesItsTwoCauses) {
   const TemporaryFolder folder;
   const auto path = [&](const std::string& name) { return folder.path(name); };
   const auto record = [&](const std::string& motion, const std::string& seed) {
@@ -452,7 +452,7 @@ TEST(Excite, TheDesignedMotionSeparatesItsRivals) {
 }
 
 // A solver that is named is the one that searches, or it is refused.
-TEST(Excite, TheNamedSolverSearches) {
+TEST(Excite, TheNamedSolverIsUsedOrRefused) {
   const TemporaryFolder folder;
   for (const ExcitationSolver solver :
        {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt}) {

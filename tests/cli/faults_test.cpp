@@ -100,7 +100,7 @@ std::vector<NumberCase> number_cases() {
   };
 }
 
-TEST(Numbers, BeyondSensorRangesAreReadOrRefusedClearly) {
+TEST(Numbers, BeyondSensorRangesAreReadOrRefusedWithAReason) {
   for (const NumberCase& given : number_cases()) {
     const TemporaryFolder folder;
     const std::string recording = folder.write("recording.csv", given.content);
@@ -129,7 +129,7 @@ pid_t start(const Words& words) {
   ::_exit(127);
 }
 
-TEST(AKilledTool, LeavesWholeFilesOrNone) {
+TEST(AKilledTool, LeavesCompleteFilesOrNone) {
   using Clock = std::chrono::steady_clock;
   const TemporaryFolder folder;
   const Words names = {"a.urdf", "b.xml", "c.sdf", "d.h", "e.yaml", "f.json"};
@@ -201,7 +201,7 @@ ToolRun run_on_full_disk(const Words& words) {
   return run;
 }
 
-TEST(AFullDisk, IsNamedAndNothingIsLeft) {
+TEST(AFullDisk, IsReportedAndLeavesNoFile) {
   const TemporaryFolder inputs;
   const std::string recording = inputs.write("recording.csv", planar_recording(4.0));
   for (const Words& words : {Words{"identify", "planar-2r", "--train", recording, "--json"},
@@ -221,7 +221,7 @@ TEST(AFullDisk, IsNamedAndNothingIsLeft) {
 }
 
 // A pipe is opened once: opened and closed before the work, it would have ended for its reader.
-TEST(APipeAsOutput, GetsTheWholeResult) {
+TEST(APipeAsOutput, ReceivesTheCompleteResult) {
   const TemporaryFolder folder;
   const std::string recording = folder.write("recording.csv", planar_recording(4.0));
   const std::string pipe = folder.path("pipe"), got = folder.path("got.json");
@@ -238,7 +238,7 @@ TEST(APipeAsOutput, GetsTheWholeResult) {
 }
 
 // A log on a full disk, a program that closed its streams: the work is done, and no file takes a stream's place.
-TEST(AStreamThatTakesNothing, DoesNotEndTheWork) {
+TEST(AFullOrClosedErrorStream, DoesNotChangeTheExitStatus) {
   if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
   const TemporaryFolder folder;
   const std::string recording = folder.write("recording.csv", planar_recording(4.0));

@@ -39,7 +39,7 @@ class Identify : public testing::Test {
   std::string train_, test_;
 };
 
-TEST_F(Identify, JsonHasTheKeysThatArePromised) {
+TEST_F(Identify, JsonHasEveryDocumentedKey) {
   const json out = result({"--method", "feasible"});
   EXPECT_TRUE(out["veridyn"].is_string());
   EXPECT_EQ(out["command"], "identify");
@@ -82,7 +82,7 @@ TEST_F(Identify, WithoutATestRecordingThereIsNoTestError) {
 
 // The low-pass at 20 Hz leaves of friction's steps what it leaves in the torque; the rest is
 // differentiation of 100 Hz samples: (2 pi f / rate)^2 / 6 of the fastest sine, about 0.4 %.
-TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
+TEST_F(Identify, EveryMethodRecoversTheSimulatedParameters) {
   const Model arm = read_model("planar-2r");
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   VectorXd truth(parameters.size());
@@ -102,7 +102,7 @@ TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
   }
 }
 
-TEST_F(Identify, TheTextShowsTheNumbersOfTheJson) {
+TEST_F(Identify, EveryNumberOfTheTextIsInTheJson) {
   const ToolRun brief = run({});
   EXPECT_LE(std::count(brief.out.begin(), brief.out.end(), '\n'), 10) << brief.out;
   EXPECT_EQ(brief.out.find("base parameter\n"), std::string::npos) << brief.out;
@@ -147,7 +147,7 @@ TEST_F(Identify, TheModelIsARobotWithTheIdentifiedValues) {
   EXPECT_EQ(run_tool({"info", path}).status, 0);
 }
 
-TEST_F(Identify, FeasibleIsNeverBelowTheUnconstrainedObjective) {
+TEST_F(Identify, TheFeasibleObjectiveIsNotBelowTheUnconstrainedOne) {
   const json free = result({"--method", "wls"});
   const json feasible = result({"--method", "feasible"});
   EXPECT_TRUE(feasible["feasible"].get<bool>());
@@ -179,7 +179,7 @@ TEST_F(Identify, SettingsListTheOptionsOfTheRun) {
   EXPECT_EQ(s["test"], json::array({test_}));
 }
 
-TEST_F(Identify, TestRowsAreThoseOfTrainingUnlessGiven) {
+TEST_F(Identify, TestRowsDefaultToTheRowsOfTraining) {
   const json s = result({"--rows", "100:1800"})["settings"];
   EXPECT_EQ(s["test_rows"], json::array({100, 1800}));
 }
@@ -202,7 +202,7 @@ TEST_F(Identify, AHeaderlessFileGivesTheSameNumbers) {
   }
 }
 
-TEST_F(Identify, SeveralRecordingsAndThreadsChangeNothingButTheOrder) {
+TEST_F(Identify, TheNumberOfThreadsDoesNotChangeTheParameters) {
   const json one = result({"--threads", "1"});
   const json two = result({"--threads", "2"});
   EXPECT_EQ(one["base_parameters"], two["base_parameters"]);
@@ -255,7 +255,7 @@ TEST_F(Identify, ARecordingInDegreesIsWarnedOf) {
 }
 
 // What is mended in a row is reported where a recording is learned from, too.
-TEST_F(Identify, ImpossiblePositionsAreReported) {
+TEST_F(Identify, ASingleAbsurdTorqueIsReportedInOneLine) {
   std::string spoilt = content_of(train_);
   const size_t row = spoilt.find("\n4.00,") + 1;
   ASSERT_NE(row, 0U);
@@ -299,7 +299,7 @@ TEST_F(Identify, ARecordingOfGapsIsRefusedInOneLine) {
 }
 
 // A piece of the training recording as test, with times and a name of its own, in identify and diagnose alike.
-TEST_F(Identify, APieceOfATrainingRecordingIsNotHeldOut) {
+TEST_F(Identify, APieceOfATrainingRecordingAsTestIsWarnedOf) {
   Recording piece = rows_of(read_recording(train_), 500, 1400);
   const double begin = piece.time[0];
   piece.time.array() -= begin;
@@ -317,7 +317,7 @@ TEST_F(Identify, APieceOfATrainingRecordingIsNotHeldOut) {
 }
 
 // Zero velocities of two joints in two recordings are four findings of one kind.
-TEST(VelocitiesOfZero, AreOneWarning) {
+TEST(VelocitiesOfZero, OfSeveralJointsGiveOneWarning) {
   const TemporaryFolder folder;
   const std::string train = folder.path("train.csv"), test = folder.path("test.csv");
   for (const auto& [path, size] : {std::pair{train, 1.0}, std::pair{test, 0.8}}) {

@@ -42,7 +42,7 @@ TEST(Info, CountsTheBaseParametersThatArePublished) {
   }
 }
 
-TEST(Info, AParameterThatStandsAloneIsItsOwnExpression) {
+TEST(Info, ASeparatelyIdentifiableParameterIsItsOwnExpression) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_tool({"info", "psm-3dof", "--json", folder.path("info.json")}).status, 0);
   const json out = json_of(folder.path("info.json"));
@@ -53,7 +53,7 @@ TEST(Info, AParameterThatStandsAloneIsItsOwnExpression) {
   }
 }
 
-TEST(Check, FindingsAreAnAnswerAndNotAnError) {
+TEST(Check, FindingsDoNotChangeTheExitStatus) {
   const TemporaryFolder folder;
   const std::string good = folder.write("good.csv", planar_recording(10.0));
   const std::string still = folder.write("still.csv", planar_recording(10.0, 1.0, 0.0));
@@ -80,7 +80,7 @@ TEST(Check, FindingsAreAnAnswerAndNotAnError) {
   EXPECT_TRUE(rests) << run.out;
 }
 
-TEST(Check, RowsAndHeaderlessFilesFollowTheOptions) {
+TEST(Check, TheColumnsAndRowsOptionsApplyToHeaderlessFiles) {
   const TemporaryFolder folder;
   std::string content = planar_recording(10.0);
   const std::string bare = folder.write("bare.csv", content.substr(content.find('\n') + 1));

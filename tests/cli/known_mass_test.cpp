@@ -94,7 +94,7 @@ TEST_F(KnownMass, GivesTheGainsInTextJsonAndModel) {
   for (const json& e : out["train"]["relative_error"]) EXPECT_LT(e.get<double>(), 0.05);
 }
 
-TEST_F(KnownMass, InTheWrongFormatIsRefusedInOneLine) {
+TEST_F(KnownMass, OptionInTheWrongFormatIsRefusedInOneLine) {
   const std::string any = folder_.write("any.csv", "t,q1\n0,0\n");
   for (const auto& [asked, words] :
        {std::pair("2.8", "expected KG@FRAME"), std::pair("2.8@flnge", "did you mean 'flange'?"),

@@ -168,7 +168,7 @@ TEST(Manual, HelpFitsTheTerminalAndShowsDefaults) {
 }
 
 // A number stands below its inequality and its reason, as in the header.
-TEST(Numbers, ArePrintedBelowTheirInequality) {
+TEST(Numbers, OfEveryTableArePrintedBelowTheirInequality) {
   const std::string quality = run_tool({"numbers", "quality"}).out;
   EXPECT_EQ(quality.rfind("quality (src/", 0), 0U) << quality;
   EXPECT_NE(quality.find("  share of stale rows >= few_stale: reported; > many_stale: a warning; > frozen: a fault.\n"

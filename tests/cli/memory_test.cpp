@@ -47,7 +47,7 @@ long peak_kib(const Words& arguments) {
 }
 
 // Both are longer than the first 200,000 rows, which are looked at as a whole for the period.
-TEST(Memory, TenTimesTheRowsTakeTheMemoryOfOne) {
+TEST(Memory, MemoryDoesNotGrowWithTenTimesTheRows) {
   if (!kMemoryIsReal) GTEST_SKIP() << "memory cannot be measured under the address sanitizer";
   const TemporaryFolder folder;
   const std::string content = planar_recording(250.0);

@@ -26,7 +26,7 @@ class Messages : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Messages, SuggestTheIntendedCommand) {
+TEST_F(Messages, SuggestTheIntendedCommandOrOption) {
   expect({"calibrate", "links", "planar-2r", "poses.csv", "--fram", "tool"}, 2,
          {"unknown option '--fram' (did you mean '--frame'?); see veridyn calibrate links --help"});
   expect({"calibrate", "link"}, 2,
@@ -35,7 +35,7 @@ TEST_F(Messages, SuggestTheIntendedCommand) {
   expect({"calibrate", "handeye"}, 2, {"A: found nothing, expected", "see veridyn calibrate handeye --help"});
 }
 
-TEST_F(Messages, NameFoundAndExpectedValues) {
+TEST_F(Messages, QuoteTheFoundAndTheExpectedValue) {
   const Words identify = {"identify", "planar-2r", "--train", "a.csv"};
   expect(identify + Words{"--filter-cutoff", "five"}, 2,
          {"--filter-cutoff: found 'five', expected a number that is not negative"});
@@ -66,7 +66,7 @@ TEST_F(Messages, OfKinematicsNameTheInvalidOption) {
 }
 
 // Values that a file lacks and a command makes up are announced, with their seed.
-TEST_F(Messages, ReportAssumedValues) {
+TEST_F(Messages, AnnounceValuesAssumedForAnIncompleteRobotFile) {
   const ToolRun made = run_tool({"stability", "psm-3dof"});
   EXPECT_NE(made.err.find("has no values for"), std::string::npos) << made.err;
   EXPECT_NE(made.err.find("plausible ones (seed "), std::string::npos) << made.err;

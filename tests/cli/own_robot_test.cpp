@@ -82,7 +82,7 @@ TEST_F(OwnRobot, CommandAndLibraryIdentifyTheSameModelToTheLastBit) {
   EXPECT_TRUE(std::isnan(value_of(*id.model, "rotor_inertia", 0)));
 }
 
-TEST_F(OwnRobot, WithoutFrictionNothingIsAdded) {
+TEST_F(OwnRobot, WithFrictionOfTheFileOnlyNoEffectIsAdded) {
   IdentificationOptions options;
   options.friction = JointFriction::kFile;
   const Identification id = identify(read_model(kUrdf), {path("plain", "1")}, {}, options);
@@ -94,7 +94,7 @@ TEST_F(OwnRobot, WithoutFrictionNothingIsAdded) {
 }
 
 // What torques leave open stays near the maker's bodies, in the MODEL and in what is made of it.
-TEST_F(OwnRobot, BodiesStayNearThoseOfTheMaker) {
+TEST_F(OwnRobot, UndeterminedInertiasStayNearThoseOfTheRobotFile) {
   const Model maker = read_model(kUrdf);
   const Identification id = identify(maker, {path("plain", "1")});
   ASSERT_TRUE(id.model.has_value());
@@ -119,7 +119,7 @@ TEST_F(OwnRobot, BodiesStayNearThoseOfTheMaker) {
 }
 
 // --prior with point masses, with bodies that cannot be and with ones far away.
-TEST_F(OwnRobot, TheFitWithAPriorConvergesFromAnyBody) {
+TEST_F(OwnRobot, TheFitConvergesForEveryPriorBody) {
   const Model maker = read_model(kUrdf);
   const auto changed = [&](auto change) {
     ModelDescription d = maker.description();
@@ -145,7 +145,7 @@ TEST_F(OwnRobot, TheFitWithAPriorConvergesFromAnyBody) {
   }
 }
 
-TEST_F(OwnRobot, TheVerdictNamesTheUnexplainedJoint) {
+TEST_F(OwnRobot, TheVerdictNamesTheJointWithUnmodelledFriction) {
   record({"--effect", "position_dependent_friction:elbow:slope=0.3,curvature=0"}, "grows");
   const std::string out = folder().path("strib.json");
   const ToolRun run = run_tool({"identify", kUrdf, "--train", path("grows", "1"), "--test",
@@ -180,7 +180,7 @@ TEST_F(OwnRobot, DiagnosisOfAFileWithoutFrictionNamesTheHiddenCauseFirst) {
   for (const json& finding : d["findings"]) EXPECT_NE(finding["effect"], "coulomb_friction") << finding;
 }
 
-TEST_F(OwnRobot, DriveGainsTurnCurrentsIntoTorques) {
+TEST_F(OwnRobot, DriveGainsConvertCurrentsToTorques) {
   const Model maker = read_model(kUrdf);
   std::string csv = content_of(path("plain", "1"));
   csv = std::regex_replace(csv.substr(0, csv.find('\n')), std::regex("tau([0-9])"), "i$1") +
@@ -208,7 +208,7 @@ TEST_F(OwnRobot, InfoWritesAReadableRobotFile) {
   EXPECT_EQ(model.bodies().size(), 4u);
 }
 
-TEST_F(OwnRobot, AModelIsNotWrittenUnderTheNameOfAnotherFormat) {
+TEST_F(OwnRobot, AModelFileMustEndInYaml) {
   const std::string out = folder().path("model.urdf");
   const ToolRun run = run_tool({"identify", kUrdf, "--train", path("plain", "1"), "--model-out", out});
   EXPECT_EQ(run.status, 2);
@@ -217,7 +217,7 @@ TEST_F(OwnRobot, AModelIsNotWrittenUnderTheNameOfAnotherFormat) {
   EXPECT_FALSE(std::ifstream(out));
 }
 
-TEST_F(OwnRobot, AnEndingOfAnotherFormatIsRefused) {
+TEST_F(OwnRobot, AFileExtensionOfAnotherFormatIsRefused) {
   const std::string model = folder().path("endings.yaml");
   save(identify(read_model(kUrdf), {path("plain", "1")}, {path("plain", "2")}), model);
   for (const auto& [option, name, expected] : std::vector<std::array<const char*, 3>>{

@@ -35,7 +35,7 @@ class LonelyTool {
   TemporaryFolder folder_;
 };
 
-TEST(Packages, ACommandWithoutItsPackageIsOneLineThatNamesIt) {
+TEST(Packages, ACommandOfAMissingPackageIsRefusedNamingThePackage) {
   const LonelyTool tool;
   const struct {
     const char *arguments, *package;
@@ -53,7 +53,7 @@ TEST(Packages, ACommandWithoutItsPackageIsOneLineThatNamesIt) {
   }
 }
 
-TEST(Packages, CoreCommandsNeedNoPackage) {
+TEST(Packages, CoreCommandsRunWithoutAnyPackage) {
   const LonelyTool tool;
   EXPECT_EQ(tool.run("info planar-2r", "/nonexistent").status, 0);
   EXPECT_EQ(tool.run("export --help", "/nonexistent").status, 0);

@@ -111,7 +111,7 @@ TEST_F(RealRecordings, WristFeasibleIsNoWorseThanPublished) {
 // With rotor inertias that are not negative joints 5 to 7 fit worse: the recordings ask for
 // negative ones, which stand for something else (a torque that lags). Measured with this
 // tool: 25.3, 23.8, 29.4 %.
-TEST_F(RealRecordings, WristWithPhysicalRotorsCostsTheLastJointsAFewPoints) {
+TEST_F(RealRecordings, WristErrorsWithNonNegativeRotorInertiasStayBelowTheirBounds) {
   const json out = identify("psm-wrist", Words{"--train", file("psm-wrist/one.csv"), "--test",
                                                file("psm-wrist/two.csv"), "--method", "feasible"} +
                                              published_wrist_settings());
@@ -141,7 +141,7 @@ TEST_F(RealRecordings, TheErrataReduceTheErrorOfTheThesisArm) {
 
 // Recordings 5 and 6 come late: 12 % of the rows repeat the one before, and are filled in. Even
 // what no model can explain, the difference between repeats of the motion, is smaller then.
-TEST_F(RealRecordings, ThesisArmsLateRowsAreFilledIn) {
+TEST_F(RealRecordings, FillingLateRowsReducesTheRepeatErrorOfTheInsertion) {
   const auto floors = [](const json& out) { return percent(out["noise_floor"]["relative_error"]); };
   for (const char* k : {"5", "6"}) {
     const Words words = {"--train", file("psm1-thesis/fourier-") + k + ".csv", "--filter-cutoff",
@@ -191,7 +191,7 @@ TEST_F(RealRecordings, DiagnosisOfTheWristPredictsAnotherMotion) {
 }
 
 // The MODEL lacks memories of friction, which delays of the wrist's torques imitate to first order; 205 g hang on the parallel link.
-TEST_F(RealRecordings, ALoadOnTheWristIsFoundBesideTheMemoriesThatTheModelLacks) {
+TEST_F(RealRecordings, ALoadOnTheWristIsFoundThoughTheModelHasNoHysteresis) {
   const std::string model = folder_.path("model.yaml");
   ASSERT_FALSE(identify("psm-wrist", {"--train", file("psm-wrist/two.csv"), "--filter-cutoff", "5.4", "--model-out",
                                       model}).is_null());
@@ -237,7 +237,7 @@ TEST_F(RealRecordings, AnIndustrialArmIsIdentifiedFromMotorCurrents) {
 }
 
 // As recorded: numbers up to 1e305 in rows that are well formed.
-TEST_F(RealRecordings, ABrokenFileIsRecognised) {
+TEST_F(RealRecordings, AFileWithNumbersUpTo1e305IsReported) {
   const ToolRun run = run_tool(
       {"check", file("ur10e/broken-file-2019-09-27.csv"), "--json", folder_.path("check.json")});
   ASSERT_EQ(run.status, 0) << run.err;
@@ -250,7 +250,7 @@ TEST_F(RealRecordings, ABrokenFileIsRecognised) {
 }
 
 // Section 5.6 of the thesis: constant speeds and ramps of the insertion alone.
-TEST_F(RealRecordings, FrictionOfTheInsertionIsEstimatedAlone) {
+TEST_F(RealRecordings, FrictionOfTheInsertionIsEstimatedWithTheOtherJointsAtRest) {
   const TemporaryFolder folder;
   const std::string path = folder.path("f.json");
   const auto part = [](const char* name) { return file(std::string("psm1-thesis/") + name + ".csv"); };
@@ -273,7 +273,7 @@ TEST_F(RealRecordings, FrictionOfTheInsertionIsEstimatedAlone) {
 }
 
 // These real arms are mounted upright and their files are right: whatever error is left, gravity and DH convention are not blamed for it.
-TEST_F(RealRecordings, OfArmsWithCableFrictionAreNotExplainedByAnotherRobotFile) {
+TEST_F(RealRecordings, OfUprightArmsAreNotReportedWithGravityOrDhErrors) {
   const std::vector<std::pair<std::string, std::string>> recordings = {
       {"psm-wrist", "psm-wrist/one.csv"}, {"psm-3dof", "psm1-thesis/fourier-1.csv"}, {"psm-3dof", "psm1-thesis/fourier-2.csv"}};
   for (const auto& [robot, name] : recordings) {

@@ -25,7 +25,7 @@ TEST(CheckOfABag, WritesRateJointsRowsAndTopics) {
       << run.out;
 }
 
-TEST(CheckOfACutFile, RemarksOnTheTruncation) {
+TEST(CheckOfATruncatedFile, ReportsTheTruncation) {
   const TemporaryFolder folder;
   const std::string path = folder.path("check.json");
   ASSERT_EQ(run_tool({"check", sample("mcap_cdr_truncated.mcap"), "--json", path}).status, 0);
@@ -43,7 +43,7 @@ TEST(ABagForAnotherRobot, IsRefusedInOneLine) {
   EXPECT_NE(run.err.find("none that is yaw, pitch, insertion"), std::string::npos) << run.err;
 }
 
-TEST(OptionsOfRecordings, AreCheckedBeforeAnyWork) {
+TEST(OptionsOfRecordings, WithInvalidValuesAreUsageErrors) {
   const std::string bag = sample("ros1_lz4.bag");
   const std::pair<Words, const char*> kWrong[] = {
       {{"--units", "q=degrees"}, "expected one of: rad"},
@@ -61,7 +61,7 @@ TEST(OptionsOfRecordings, AreCheckedBeforeAnyWork) {
 }
 
 // One and the same recording, written in another program's words.
-TEST(ATableWithJointsNames, IdentifiesLikeThePlainOne) {
+TEST(ATableWithJointNames, GivesTheSameIdentification) {
   const TemporaryFolder folder;
   const std::string plain = folder.write("plain.csv", planar_recording(12.0));
   std::string other = planar_recording(12.0);

@@ -196,7 +196,7 @@ TEST_P(OpenedReport, AnIdentificationShowsTheNumbersOfItsJson) {
 }
 
 // A reader chooses another recording, which has another length, and zooms into one plot.
-TEST_P(OpenedReport, TheReaderChoosesRecordingAndTime) {
+TEST_P(OpenedReport, TheChosenRecordingAndTimeRangeAreDrawn) {
   const std::string choose =
       "const select = page.document.querySelector('#chooser select');"
       "select.value = 1; select.dispatchEvent(new page.Event('change'));";
@@ -242,7 +242,7 @@ TEST_F(ReportPage, ShowsTheCommandOfTheRun) {
   EXPECT_EQ(settings["filter_cutoff"].get<double>(), 5.0);
 }
 
-TEST_F(ReportPage, OutputsToOneFileAreRefused) {
+TEST_F(ReportPage, TwoOutputsToOneFileAreRefused) {
   const ToolRun same = run_tool({"identify", "psm-3dof", "--train", path("recording1.csv"),
                                  "--report", path("x"), "--json", path("x")});
   EXPECT_EQ(same.status, 2);

@@ -166,7 +166,7 @@ class EverySentence : public testing::Test {
   int results_ = 0;  // of commands that were not refused
 };
 
-TEST(ANumberOfALine, IsFoundAmongTheNumbersOfTheJsonOrNot) {
+TEST(ANumberInASentence, MatchesAJsonNumberThatRoundsToIt) {
   const std::vector<double> numbers = {0.01236, -3.5};
   const auto all_found = [&](const std::string& line) {
     const std::vector<Printed> printed = numbers_in(line);
@@ -220,7 +220,7 @@ TEST_F(EverySentence, AboutWrongUnitsAgreesWithTheJson) {
 TEST_F(EverySentence, AboutAnotherGravityAgreesWithTheJson) { read_all(arm_, recorded("wall", {"--gravity", "9.81,0,0"})); }
 
 // Mounted with a lean of 30 degrees: the errors of all joints depend on position, and none of them sticks anywhere.
-TEST_F(EverySentence, AboutALeaningArmNamesNoStickingSpots) {
+TEST_F(EverySentence, AboutATiltedBaseReportsNoStickingPositions) {
   const std::string robots = VERIDYN_SOURCE_DIR "/examples/own_robot/";
   Words rec;
   for (const char* seed : {"20", "21", "22"}) {

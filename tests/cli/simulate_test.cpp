@@ -21,7 +21,7 @@ class Simulate : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Simulate, AControlledRecordingCanBeReplayed) {
+TEST_F(Simulate, AReplayHasTheTorquesOfItsRecordingWithinTenPercent) {
   const std::string recording = folder_.path("rec.csv");
   const std::string model = folder_.path("model.yaml");
   const std::string out = folder_.path("out.json");
@@ -42,7 +42,7 @@ TEST_F(Simulate, AControlledRecordingCanBeReplayed) {
     EXPECT_LT(error.get<double>(), 0.1);
 }
 
-TEST_F(Simulate, RecordsAtAnyRateWithTheFaultsOfRealRecordings) {
+TEST_F(Simulate, HasTheRequestedRateStaleRowsAndDropouts) {
   const std::string recording = folder_.path("rec.csv");
   const std::string out = folder_.path("check.json");
   for (const std::string controller : {"none", "pid"}) {
@@ -58,7 +58,7 @@ TEST_F(Simulate, RecordsAtAnyRateWithTheFaultsOfRealRecordings) {
   }
 }
 
-TEST_F(Simulate, EnginesAgree) {
+TEST_F(Simulate, VeridynAndMujocoNeedTheSameRmsEffort) {
   std::vector<std::string> files;
   for (const std::string engine : {"veridyn", "mujoco"}) {
     files.push_back(folder_.path(engine + ".json"));
@@ -134,7 +134,7 @@ std::string real_data(const std::string& name) {
 }
 
 // The extended model of fourier-1 to 4, run on the real arm's fifth motion and ramps.
-TEST_F(Simulate, AnExtendedModelRunsLikeTheRealArm) {
+TEST_F(Simulate, AnExtendedModelReplaysTheRealRecording) {
   if (!std::filesystem::exists(real_data("fourier-5.csv"))) GTEST_SKIP() << "no real recordings";
   const std::string model = folder_.path("model.yaml");
   const std::string out = folder_.path("out.json");

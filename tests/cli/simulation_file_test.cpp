@@ -95,7 +95,7 @@ TEST(SimulationFileAsRobot, DiagnosedValuesAreWrittenBackIntoTheFile) {
   EXPECT_EQ(run_tool({"identify", "planar-2r", "--train", one, "--model-out", folder.path("no.xml")}).status, 2);
 }
 
-TEST(SimulationFileAsRobot, IsIdentified) {
+TEST(SimulationFileAsRobot, IsIdentifiedAndExportedAsSdf) {
   const TemporaryFolder folder;
   const std::string sim = folder.write("sim.xml", mjcf("0.5"));
   const std::string rows = folder.path("rows.csv");

@@ -68,7 +68,7 @@ double friction_error(const json& out) {
 // The truth is known here: the arm's own friction, and a recording without any noise. Learning from
 // late rows that are filled in comes nearer to both. (Without torque noise, which would outweigh
 // them on this arm; with it 24 recordings still gain a fifteenth on average.)
-TEST_F(LateRecordings, FillingThemInBringsTheModelNearerToTheTruth) {
+TEST_F(LateRecordings, FillingThemInReducesTestErrorAndFrictionError) {
   const std::string clean = record("clean.csv", "none", 1, 0.7);
   const std::string noise = "dvrk-late:torque_white=0,torque_coloured=0";
   double filled = 0.0;
@@ -90,7 +90,7 @@ TEST_F(LateRecordings, FillingThemInBringsTheModelNearerToTheTruth) {
 }
 
 // The same model, measured on both: the first figure is the one with the rows as recorded.
-TEST_F(LateRecordings, TheFirstErrorIsOnRowsAsRecorded) {
+TEST_F(LateRecordings, TheTestErrorIsGivenForTheRowsAsRecorded) {
   const Words words = {"identify",
                        "planar-2r",
                        "--train",

@@ -62,7 +62,7 @@ TEST(Usage, AMisspeltOptionIsCorrected) {
                      "unknown option '--filter-cutof' (did you mean '--filter-cutoff'?)");
 }
 
-TEST(Usage, RecordingsWithoutTheirOptionAreRecognised) {
+TEST(Usage, ARecordingWithoutTheTrainOptionIsNamed) {
   expect_usage_error({"identify", "planar-2r", "a.csv"}, "found 'a.csv', which nothing asks for; recordings follow --train or --test");
   EXPECT_EQ(run_tool({"info", "planar-2r", "a.csv"}).err.find("--train"), std::string::npos);
 }
@@ -153,7 +153,7 @@ TEST(Usage, OptionsWithoutEffectAreRefused) {
 }
 
 // A value that an option cannot have is wrong usage also where only the arm tells.
-TEST(Usage, ValuesThatDoNotFitTheArmAreWrongUsage) {
+TEST(Usage, OptionValuesThatDoNotFitTheArmAreUsageErrors) {
   const TemporaryFolder folder;
   const std::string rec = folder.write("rec.csv", planar_recording(3.0));
   const std::string out = folder.path("out.csv");

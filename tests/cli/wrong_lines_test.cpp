@@ -232,7 +232,7 @@ std::pair<std::string, Words> WrongLines::wrong_line(const std::string& command)
   }
 }
 
-TEST_F(WrongLines, OfEveryCommandFailInOneLineAndWriteNothing) {
+TEST_F(WrongLines, WithInvalidOptionsFailInOneLineAndWriteNothing) {
   for (const auto& [command, options] : options_) {
     const bool of_others = command == "dvrk" || command == "calibrate" || command == "loadcell";
     EXPECT_TRUE(of_others || short_lines().count(command) == 1) << command << " has no right line to start from";

@@ -18,7 +18,7 @@ class ArmStateOnEverySampleArm : public OnSampleArm {};
 INSTANTIATE_TEST_SUITE_P(Sample, ArmStateOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
                          sample_arm_name);
 
-TEST_P(ArmStateOnEverySampleArm, TheTipMovesAsTheFrameDoes) {
+TEST_P(ArmStateOnEverySampleArm, TipKinematicsEqualThePoseAndJacobianOfTheFrame) {
   const int frame = static_cast<int>(arm().frames().size()) - 1;
   TipKinematics tip(arm(), {last_frame(arm())});
   for (const State& s : test_states(joints(), 101)) {
@@ -56,7 +56,7 @@ TEST_P(ArmStateOnEverySampleArm, AnOffsetTipMovesAsAPointOfTheFrame) {
   EXPECT_TRUE(near(dJ, (J_ahead - tip.jacobian()) / (2.0 * h), 1e-7 * (1.0 + dJ.norm())));
 }
 
-TEST_P(ArmStateOnEverySampleArm, MassAndBiasAreThoseOfTheRigidBodies) {
+TEST_P(ArmStateOnEverySampleArm, MassMatrixAndBiasEqualRigidBodyDynamics) {
   ArmState state(arm(), {last_frame(arm())});
   RigidBodyDynamics dynamics(arm(), phi());
   VectorXd h(joints());
@@ -100,7 +100,7 @@ TEST_P(ArmStateOnEverySampleArm, ComputedTorqueProducesTheRequestedAcceleration)
 
 // What is counted from the start of a recording means nothing to a controller, nor does what was
 // measured; everything else is compensated in one place.
-TEST(ArmState, OmitsEffectsThatControlCannotUse) {
+TEST(ArmState, LeavesOutExactlyTheEffectsOfRecordingsAndSensors) {
   std::vector<std::string> left_out;
   for (const Effect* e : all_effects()) {
     if (control_part(e->traits()) == ControlPart::kLeftOut) left_out.push_back(e->name());
@@ -113,7 +113,7 @@ TEST(ArmState, OmitsEffectsThatControlCannotUse) {
 }
 
 // Joint control needs no tip: the same dynamics, with the frame behind the most joints for a tip.
-TEST(ArmState, JointControlNeedsNoTip) {
+TEST(ArmState, WithoutAGivenTipItHasTheSameDynamics) {
   const Model arm = sample_arms().at("planar_2R");
   ArmState without(arm), with(arm, {last_frame(arm)});
   const VectorXd q = Eigen::Vector2d(0.3, -0.7), dq = Eigen::Vector2d(0.5, 0.2);
@@ -124,7 +124,7 @@ TEST(ArmState, JointControlNeedsNoTip) {
   EXPECT_EQ(without.tip().position(), with.tip().position());
 }
 
-TEST(ArmState, ModelsWithoutValuesAreRefused) {
+TEST(ArmState, RefusesUnknownTipsAndEffectsWithoutValues) {
   const Model arm = sample_arms().at("planar_2R");
   EXPECT_THROW(ArmState(arm, {"nowhere"}), InvalidInput);
   EXPECT_THROW(

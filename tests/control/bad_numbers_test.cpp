@@ -110,7 +110,7 @@ TEST(BadNumbers, AdaptiveFrictionContinuesAfterANonFiniteCycle) {
   for (const int lost : {0, 1, 2, 3}) EXPECT_NEAR(share(lost), undisturbed, 1e-3) << lost;
 }
 
-TEST(BadNumbers, AForceTrackerKeepsItsLastCorrection) {
+TEST(BadNumbers, AForceTrackerKeepsItsCorrectionInANonFiniteCycle) {
   for (const int lost : {0, 1, 2, 3}) {
     const ForceLaw law = tuned_force_law(2000.0, 300.0, 30.0);
     ForceTracker tracker(law), undisturbed(law);
@@ -165,7 +165,7 @@ TEST(BadNumbers, ATetherGuardFollowsAFallingEndThroughNonFiniteCycles) {
 }
 
 // A fall that is over says nothing about the next one.
-TEST(BadNumbers, ATetherGuardDropsAFinishedMotion) {
+TEST(BadNumbers, AResetTetherGuardForgetsTheLastFall) {
   Tether tether;
   tether.learn();
   tether.healthy[0] = 0;  // so that it does not follow
@@ -178,7 +178,7 @@ TEST(BadNumbers, ATetherGuardDropsAFinishedMotion) {
   EXPECT_LT(tether.guard.motion(0).position.norm(), 1e-9);
 }
 
-TEST(BadNumbers, TeleoperationReleasesAndEngagesAgainWithoutAJump) {
+TEST(BadNumbers, TeleoperationReleasesOnNonFiniteInputAndReengagesWithoutAJump) {
   const Eigen::Vector3d none = Eigen::Vector3d::Zero(), bad(0.0, kNan, 0.0), leader(0.1, 0.2, 0.3);
   for (const int lost : {0, 1, 2}) {
     Teleoperation tele({}, none, none);

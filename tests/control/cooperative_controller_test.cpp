@@ -98,7 +98,7 @@ TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
 }
 
 // Targets' velocities and accelerations are those of their positions.
-TEST(CooperativeController, DerivativesBelongToThePositions) {
+TEST(CooperativeController, TargetVelocitiesAndAccelerationsMatchFiniteDifferences) {
   CooperativeController control(options(3), kTips);
   CooperativeInput input = at(kTips, 0);
   control.move({0.02, 0.01, -0.01}, 1.0);
@@ -123,7 +123,7 @@ TEST(CooperativeController, DerivativesBelongToThePositions) {
 }
 
 // (6.4): along the object, and only followers.
-TEST(CooperativeController, TightensAwayFromTheCentroid) {
+TEST(CooperativeController, ExpandGraspMovesOnlyTheFollowerAwayAlongTheObject) {
   CooperativeController control(options(2), tips(2));
   CooperativeInput input = at(tips(2), 0);
   ASSERT_TRUE(control.expand_grasp(0.003, 0.2));
@@ -135,7 +135,7 @@ TEST(CooperativeController, TightensAwayFromTheCentroid) {
 
 // (7.12) with the errata: too little tension makes the follower pull away, whichever end it is on and
 // whoever the leader is.
-TEST(CooperativeController, TooLittleTensionMakesTheSlavePullAway) {
+TEST(CooperativeController, TooLittleTensionMakesTheFollowerPullAway) {
   for (const int leader : {0, 1}) {
     for (const bool turned : {false, true}) {
       CooperativeOptions o = options(2);
@@ -230,7 +230,7 @@ TEST(CooperativeController, HoldsAndReportsWhenAnArmIsLost) {
 }
 
 // A stop in the middle of a change of forces: they stay where they are, and another command goes on from there.
-TEST(CooperativeController, AStopEndsAChangeOfForcesToo) {
+TEST(CooperativeController, AStopDuringAForceChangeKeepsTheForceReached) {
   Tracking t;
   ASSERT_TRUE(t.control->set_force(0, 9.0, 2.0));
   t.run(1000);
@@ -265,7 +265,7 @@ TEST(CooperativeController, HoldsTheTargetsIfSamplesAreOldOrStuck) {
 
 // A law that tracks a sensor whose zero creeps stretches the spring until its length gives it away;
 // without the comparison it goes on.
-TEST(CooperativeController, HoldsTheTargetsIfASensorDrifts) {
+TEST(CooperativeController, ADriftingSensorEndsTheTaskIfItIsComparedWithTheLength) {
   for (const double rate : {1.0, -1.0}) {
     for (const bool compared : {true, false}) {
       Tracking t(compared ? CooperativeOptions().drift_force : 1e9);
@@ -283,7 +283,7 @@ TEST(CooperativeController, HoldsTheTargetsIfASensorDrifts) {
   }
 }
 
-TEST(CooperativeController, YieldsToAnExcessiveForce) {
+TEST(CooperativeController, AnExcessiveForceEndsTheTaskAndIsReduced) {
   Tracking t;
   t.input.position[1] += Vector3d(0.03, 0.0, 0.0);  // pulled away: 30 N
   const double before = t.spring(t.input);
@@ -303,7 +303,7 @@ TEST(CooperativeController, ANonFinitePositionEndsTheTask) {
 }
 
 // Once targets are held, what is no number leaves no trace either: an arm that is lost often has none.
-TEST(CooperativeController, NonFinitePositionsDuringAHoldMoveNothing) {
+TEST(CooperativeController, NonFinitePositionsDuringAHoldLeaveTargetsUnchanged) {
   const auto breaks = {+[](CooperativeInput& in) { in.position[1].x() = NAN; },
                        +[](CooperativeInput& in) { in.velocity[1].y() = NAN; },
                        +[](CooperativeInput& in) { in.force[0].force = NAN; },
@@ -352,7 +352,7 @@ TEST(CooperativeController, ANonFiniteReadingEndsTheTask) {
 }
 
 // Commands with a number out of range are refused and change nothing.
-TEST(CooperativeController, InvalidCommandsChangeNothing) {
+TEST(CooperativeController, InvalidCommandsLeaveTheTargetsUnchanged) {
   Tracking t;
   CooperativeController& c = *t.control;
   for (const double time : {0.0, -1.0, static_cast<double>(NAN), HUGE_VAL}) {
@@ -376,7 +376,7 @@ TEST(CooperativeController, InvalidCommandsChangeNothing) {
 
 // Force control that is on already goes on: neither the correction nor the checks of its sensor start
 // afresh. A member that is not tracked may have any reading.
-TEST(CooperativeController, ReenablingForceControlChangesNothing) {
+TEST(CooperativeController, ReenablingForceControlKeepsItsCorrection) {
   Tracking t;
   const double correction = t.control->correction(0);
   EXPECT_GT(correction, 1e-3);

@@ -168,7 +168,7 @@ void expect_safe(Loop& loop, SafetyFault fault) {
   EXPECT_LT(loop.speed(), 1e-3);
 }
 
-TEST(FaultInjection, WithoutFaultsNothingIsReported) {
+TEST(FaultInjection, WithoutInjectedFaultsNoFaultIsReported) {
   Loop loop(true);
   loop.pull(12.0, 2.0);
   loop.run(4.0);
@@ -206,7 +206,7 @@ TEST(FaultInjection, LongDropoutsStopTheArm) {
   }
 }
 
-TEST(FaultInjection, LostEncodersStopTheArm) {
+TEST(FaultInjection, AnEncoderWithoutReadingsStopsTheArm) {
   for (const bool with_spring : {true, false}) {
     Loop loop(with_spring);
     begin_moving(loop, with_spring);
@@ -229,7 +229,7 @@ TEST(FaultInjection, AnEncoderThatJumpsStopsTheArm) {
   }
 }
 
-TEST(FaultInjection, AStuckForceSensorIsNoticedByTheJoints) {
+TEST(FaultInjection, AStuckForceSensorIsDetectedAndTheForceFallsBelow3Newton) {
   Loop loop(true);
   loop.pull(12.0, 2.0);
   loop.run(0.5);
@@ -262,7 +262,7 @@ TEST(FaultInjection, SaturatedMotorsStopTheArm) {
 
 // Straight through the remote centre, where yaw and pitch cannot move the tip: damped, no joint
 // runs away, and what would leave the limits is stopped.
-TEST(FaultInjection, ThroughASingularPoseNoJointRunsAway) {
+TEST(FaultInjection, NoJointDivergesThroughASingularPose) {
   Loop loop(false);
   const Eigen::Vector3d start = loop.rig().tip().position();
   // Along the tool back to the remote centre, a hair beside it, and 5 mm sideways there.

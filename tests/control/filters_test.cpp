@@ -15,7 +15,7 @@ VectorXd one(double value) {
 
 // On a ramp the velocity is exact in the end; on a parabola late by 2 / bandwidth without the
 // acceleration, and not at all with it.
-TEST(VelocityObserver, LagsByTwoOverItsBandwidthAndByNothingWithTheAcceleration) {
+TEST(VelocityObserver, LagsByTwoOverItsBandwidthUnlessGivenTheAcceleration) {
   const double bandwidth = 200.0;
   VelocityObserver blind(1, bandwidth);
   VelocityObserver told(1, bandwidth);
@@ -37,7 +37,7 @@ TEST(VelocityObserver, LagsByTwoOverItsBandwidthAndByNothingWithTheAcceleration)
   EXPECT_NEAR(told.dq()[0], a * t, 1e-3 * a * t);
 }
 
-TEST(VelocityObserver, EncoderStepsAreSmoothedAndLostSamplesPassedOver) {
+TEST(VelocityObserver, EncoderStepsAreSmoothedAndLostSamplesIgnored) {
   const double step = 1e-5;
   VelocityObserver observer(1);
   double worst = 0.0;

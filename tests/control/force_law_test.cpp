@@ -30,7 +30,7 @@ TEST(ForceTracker, OscillatesAcrossADeadbandNarrowerThanOneStep) {
   }
 }
 
-TEST(ForceTracker, IntegratesOverTheSampleIntervalAndStaysWithinItsReach) {
+TEST(ForceTracker, TheIntegralDoesNotDependOnTheSensorRateAndIsBounded) {
   ForceLaw law;
   law.gain = 0.1;
   law.reach = 0.004;
@@ -48,7 +48,7 @@ TEST(ForceTracker, IntegratesOverTheSampleIntervalAndStaysWithinItsReach) {
   EXPECT_EQ(a, 0.004);
 }
 
-TEST(ForceTracker, DampingOpposesTheRate) {
+TEST(ForceTracker, TheDampingTermIsMinusDampingTimesTheLengthRate) {
   ForceLaw law;
   law.damping = 0.4;
   ForceTracker tracker(law);
@@ -57,7 +57,7 @@ TEST(ForceTracker, DampingOpposesTheRate) {
 
 // x_f = integral + feed_forward h_d - damping dl/dt + proportional e, each with its sign; held
 // targets keep the first three.
-TEST(ForceTracker, IsTheSumOfItsTerms) {
+TEST(ForceTracker, TheCorrectionIsTheSumOfItsFourTerms) {
   ForceLaw law;
   law.gain = 0.1;
   law.proportional = 0.002;

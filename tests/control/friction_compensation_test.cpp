@@ -46,7 +46,7 @@ double torque(FrictionCompensation& friction, ArmState& state, const Asked& aske
 
 // Listing 7.5.1 with the errata, in numbers: velocity deadband 5 mm/s, position deadband 0.3 mm,
 // Fs = the Coulomb level.
-TEST(FrictionCompensation, MatchesTheRuleOfTheThesisWithItsErrata) {
+TEST(FrictionCompensation, TheStickSlipRuleHasTheValuesOfTheThesisWithErrata) {
   const Model arm = thesis_friction();
   ArmState state(arm, {"tool"});
   FrictionCompensation stick(arm, rule(FrictionRule::kStickSlip));
@@ -74,7 +74,7 @@ TEST(FrictionCompensation, MatchesTheRuleOfTheThesisWithItsErrata) {
 }
 
 // Where a rule asks for sliding, a memory is sheared in the direction of the motion.
-TEST(FrictionCompensation, ASlidingMemoryActsLikeCoulombFriction) {
+TEST(FrictionCompensation, PreslidingHysteresisInFullSlidingEqualsCoulombFriction) {
   const Model arm = thesis_friction();
   const Model with_memory =
       with_effects(arm, {effect_on(arm, "presliding_hysteresis", 2, {{"level", kCoulomb}, {"distance", 1e-3}})});
@@ -88,7 +88,7 @@ TEST(FrictionCompensation, ASlidingMemoryActsLikeCoulombFriction) {
 
 // A share of the load is the same torque in whatever unit an axis s = c q is counted: the load along it is
 // tau / c, and the friction force along it c times that on the joint.
-TEST(FrictionCompensation, FrictionOfTheLoadDoesNotDependOnTheUnitOfItsAxis) {
+TEST(FrictionCompensation, LoadDependentFrictionDoesNotDependOnTheUnitOfItsAxis) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   const double share = 0.1;
   for (const double c : {1.0, 2.0, -0.5}) {
@@ -105,7 +105,7 @@ TEST(FrictionCompensation, FrictionOfTheLoadDoesNotDependOnTheUnitOfItsAxis) {
 
 // At rest the presliding rule gives what the contact holds, and after a reversal it follows
 // z = 1 - 2 (1 - exp(-way / distance)).
-TEST(FrictionCompensation, ThePreslidingRuleFollowsTheMemory) {
+TEST(FrictionCompensation, ThePreslidingRuleFollowsTheExponentialOfTheHysteresis) {
   Model arm = thesis_friction();
   const double distance = 1e-3;
   arm = with_effects(
@@ -131,7 +131,7 @@ TEST(FrictionCompensation, ThePreslidingRuleFollowsTheMemory) {
 
 // The stronger the compensation, the more a joint that is pushed through its work moves; the store
 // bounds the energy: after any reference has stopped, compensation has given at most one reserve.
-TEST(FrictionCompensation, TheTankBoundsTheEnergyOfCompensation) {
+TEST(FrictionCompensation, TheEnergyTankBoundsTheEnergyOfCompensation) {
   const Model arm = thesis_friction();
   ArmState state(arm, {"tool"});
   FrictionCompensation friction(arm, rule(FrictionRule::kVelocity));
@@ -157,7 +157,7 @@ TEST(FrictionCompensation, TheTankBoundsTheEnergyOfCompensation) {
 }
 
 // Friction at rest is 1 N at 0.1 m and 2 N at 0.2 m: what fills the tank here is half of it there.
-TEST(FrictionCompensation, TheTankHoldsTheFrictionAtThePosition) {
+TEST(FrictionCompensation, TheTankLevelIsRelativeToTheFrictionAtThePosition) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   const Model varying = with_effects(
       arm, {effect_on(arm, "coulomb_friction", 2, {{"level", kCoulomb}}),
@@ -216,7 +216,7 @@ Excursion after_a_push(FrictionRule which, double share, bool supervised, bool w
   return out;
 }
 
-TEST(FrictionCompensation, NothingMovesByItselfWhereFrictionIsFourFifthsOfTheIdentified) {
+TEST(FrictionCompensation, TheArmComesToRestIfFrictionIsFourFifthsOfTheModels) {
   for (const FrictionRule which :
        {FrictionRule::kVelocity, FrictionRule::kStickSlip, FrictionRule::kPresliding}) {
     for (const bool with_feedback : {true, false}) {
@@ -229,7 +229,7 @@ TEST(FrictionCompensation, NothingMovesByItselfWhereFrictionIsFourFifthsOfTheIde
 }
 
 // What the supervision is for: without it the rule of the thesis keeps the arm moving.
-TEST(FrictionCompensation, WithoutTheTankTheArmMovesByItself) {
+TEST(FrictionCompensation, WithoutTheEnergyTankTheArmKeepsMovingAfterAPush) {
   EXPECT_GT(after_a_push(FrictionRule::kStickSlip, 1.0, false, true).late, 3.0);
   EXPECT_GT(after_a_push(FrictionRule::kStickSlip, 1.0, false, false).late, 100.0);
 }
@@ -255,7 +255,7 @@ TEST(FrictionCompensation, ANonFiniteTimeEmptiesTheTank) {
 }
 
 // Terms along one direction that count from different places are different frictions.
-TEST(FrictionCompensation, AxesWithDifferentOffsetsAreSeparate) {
+TEST(FrictionCompensation, TermsWithDifferentAxisOffsetsAreSeparateAxes) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   EffectTerm here = effect_on(arm, "coulomb_friction", 2, {{"level", 1.0}}), there = here;
   there.axis.offset = 0.05;

@@ -12,7 +12,7 @@ Eigen::Matrix3d some_rotation(unsigned seed) {
   return rotation_of(Random(seed).vector(3, -1.2, 1.2));
 }
 
-TEST(AnalyticalTask, AnglesAndRotationsAreInverse) {
+TEST(AnalyticalTask, RollPitchYawInvertsTheRotationMatrix) {
   Random random(5);
   for (int k = 0; k < 50; ++k) {
     const Eigen::Vector3d angles(random.in(-3.1, 3.1), random.in(-1.5, 1.5), random.in(-3.1, 3.1));
@@ -25,7 +25,7 @@ TEST(AnalyticalTask, AnglesAndRotationsAreInverse) {
 }
 
 // J_a and its rate against central differences of x and dx; power is the same in both coordinates.
-TEST(AnalyticalTask, JacobianRateAndWrenchBelongToTheCoordinates) {
+TEST(AnalyticalTask, JacobianAndItsRateMatchDifferencesAndPowerIsInvariant) {
   const Model arm = sample_arms().at("elbow_6R");
   TipKinematics tip(arm, {last_frame(arm), {0.02, 0.1, 0.05}});
   for (unsigned seed = 1; seed < 6; ++seed) {
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, ImpedanceOn,
 
 // Thesis (7.9): the tip obeys M_d (ddx_d - ddx) + K_d (dx_d - dx) + K_p (x_d - x) = h_a. The plant
 // takes the torques and the wrench; ddx is the second difference of x along its motion.
-TEST_P(ImpedanceOn, TheTipObeysTheLaw) {
+TEST_P(ImpedanceOn, TheTipObeysTheImpedanceEquation) {
   const Model& arm = sample_arms().at(GetParam().arm);
   const int n = arm.joints();
   const int rows = static_cast<int>(GetParam().rows);

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-TEST(QuinticInterpolator, MeetsBothEndsAndItsDerivativesAreThoseOfItsPath) {
+TEST(QuinticInterpolator, DerivativesMatchThePathAndTheGoalIsReached) {
   QuinticInterpolator way(Eigen::Vector2d(0.1, -0.3));
   ASSERT_TRUE(way.move_to(Eigen::Vector2d(0.105, 0.4), 1.0));
   const double h = 1e-4;
@@ -39,7 +39,7 @@ TEST(QuinticInterpolator, MeetsBothEndsAndItsDerivativesAreThoseOfItsPath) {
   EXPECT_NEAR(QuinticInterpolator::duration_for(-0.7, 1e9, hardest), 1.0, 1e-5);
 }
 
-TEST(QuinticInterpolator, ANewGoalDuringAMotionKeepsVelocityAndAccelerationContinuous) {
+TEST(QuinticInterpolator, ANewGoalKeepsVelocityAndAccelerationContinuous) {
   QuinticInterpolator way(Eigen::VectorXd::Zero(1));
   way.move_to(Eigen::VectorXd::Ones(1), 1.0);
   VectorXd x = way.x();

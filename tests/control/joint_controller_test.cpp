@@ -42,7 +42,7 @@ void at(int cycle, Measured& measured, JointReference& wanted) {
 }
 
 // The parts in the order that ArmState, ComputedTorque and the others document, by hand.
-TEST(JointController, EqualsItsComponentsInSequence) {
+TEST(JointController, TorqueEqualsThatOfItsComponentsInSequence) {
   const Model arm = with_sensor_errors(psm_like());
   JointController controller(arm, {{25, 20, 75}, {10, 11, 15}, 0.0, {}, with_limits()});
   JointSensors sensors(arm);
@@ -113,7 +113,7 @@ void run(Controller& controller, const Reference& wanted, double seconds, ArmRig
   }
 }
 
-TEST(JointController, HoldsYieldsAndResumes) {
+TEST(JointController, HoldsThenYieldsToAPushThenResumesTracking) {
   const Model real = psm_like();
   ArmRig rig(real, kTip);
   rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));
@@ -145,7 +145,7 @@ TEST(JointController, HoldsYieldsAndResumes) {
 
 // Drives that give no more than what carries the arm: where the controller is told so, its observer
 // does not take the rest for an error of the model.
-TEST(JointController, UnsentTorqueIsNotCountedAsModelError) {
+TEST(JointController, TorqueThatTheMotorsDidNotReceiveIsNoModelError) {
   const Model arm = psm_like();
   double observed[2];
   for (const bool tells : {false, true}) {
@@ -216,7 +216,7 @@ TEST(JointController, RejectsAnEmptyModel) {
   EXPECT_THROW(TipController{Model()}, InvalidInput);
 }
 
-TEST(TipController, PullsASpringWithTheForceOfItsLaw) {
+TEST(TipController, PullsASpringWithTheForceOfTheImpedanceEquation) {
   const Model real = psm_like();
   ArmRig rig(real, kTip);
   rig.place(Eigen::Vector3d(0.1, 0.05, 0.12));

@@ -48,7 +48,7 @@ TEST(ModelErrorObserver, EstimatesTheModelErrorWithAFirstOrderLag) {
 
 // A motor that gives half of what is asked for is no error of the model: nothing winds up, and when
 // the motor is free again d is there at once. Not told, the observer takes it for one.
-TEST(ModelErrorObserver, UnsentTorqueIsNotCountedAsModelError) {
+TEST(ModelErrorObserver, TorqueThatTheMotorsDidNotReceiveIsNoModelError) {
   const Model& arm = sample_arms().at("spherical_RRP");
   const double dt = 5e-4;
   for (const bool told : {true, false}) {
@@ -111,7 +111,7 @@ TEST(ModelErrorObserver, NeverAddsMoreThanItsLimit) {
 }
 
 // One cycle that is no number leaves no trace in what remembers.
-TEST(WhatRemembers, RecoversFromANonFiniteCycle) {
+TEST(ControllersWithState, GiveFiniteOutputsAfterANonFiniteCycle) {
   const Model arm = psm_like();
   const Tip tip{"tool"};
   ArmState state(arm, tip);

@@ -54,7 +54,7 @@ TEST(MomentumObserver, FollowsAnOuterTorqueAsAFirstOrderLag) {
 }
 
 // After a fast motion the residual decays with the bandwidth, and the threshold no faster and no slower.
-TEST(MomentumObserver, TheThresholdDecaysAsTheResidualDoes) {
+TEST(MomentumObserver, TheThresholdDecaysAtTheRateOfTheResidual) {
   const Model& arm = sample_arms().at("elbow_6R");
   const int n = arm.joints();
   const Tip tip{last_frame(arm)};
@@ -76,7 +76,7 @@ TEST(MomentumObserver, TheThresholdDecaysAsTheResidualDoes) {
 
 // The threshold against its definition: every parameter wrong by its own share, one after the
 // other, through inverse dynamics.
-TEST(TorqueUncertainty, IsTheRootSumOfSquaresOverTheParameters) {
+TEST(TorqueUncertainty, IsTheRootSumOfSquaresOfParameterContributions) {
   for (const char* name : {"spherical_RRP", "coupled_wrist", "branched_tree"}) {
     const Model& arm = sample_arms().at(name);
     const int n = arm.joints();
@@ -190,7 +190,7 @@ Touched move_and_touch(const Model& real, const std::string& frame, const Eigen:
   return out;
 }
 
-TEST(MomentumObserver, NamesTheLinkThatIsTouchedAndRaisesNoFalseAlarm) {
+TEST(MomentumObserver, FindsTheTouchedLinkWithoutFalseAlarms) {
   // Bodies balanced as on the real arm, so that the threshold is not all weight.
   const Model real = plausible_model(read_model("psm-3dof"), 3).arm;
   // On the tool along the shaft's side and axis: all three joints notice.

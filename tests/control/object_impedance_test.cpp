@@ -90,7 +90,7 @@ TEST(ObjectImpedance, TargetsFormOneRigidMotion) {
   }
 }
 
-TEST(ObjectImpedance, InternalForcesMoveNothing) {
+TEST(ObjectImpedance, InternalForcesHaveNoResultantForceOrMoment) {
   ObjectImpedance plain(object(3));
   ObjectImpedance squeezed(object(3));
   ASSERT_TRUE(squeezed.set_internal_force(0, 1, 4.0));
@@ -112,7 +112,7 @@ TEST(ObjectImpedance, InternalForcesMoveNothing) {
 }
 
 // Two hands carry the weight, and ask for nothing impossible about the line between them.
-TEST(ObjectImpedance, TwoHandsCarryTheWeight) {
+TEST(ObjectImpedance, ForcesOfTwoHandsAddUpToTheWeight) {
   ObjectImpedance control(object(2));
   ObjectMotion now;
   ObjectMotion wanted = now;
@@ -123,7 +123,7 @@ TEST(ObjectImpedance, TwoHandsCarryTheWeight) {
   EXPECT_LT(hands[0].force.norm() + hands[1].force.norm(), 200.0);
 }
 
-TEST(ObjectImpedance, EstimatesTheObjectFromItsHands) {
+TEST(ObjectImpedance, TheObjectsMotionIsEstimatedFromThatOfItsGrasps) {
   const ObjectImpedanceOptions o = object(3);
   ObjectImpedance control(o);
   const ObjectMotion truth = somewhere();

@@ -24,18 +24,18 @@ double generated(double growth, double damping) {
 }
 
 // Over one quarter of a swing a spring gives back at most what it holds: 1/2 K a^2 = 0.5 mJ.
-TEST(PassivityMonitor, ADecayingOscillationGeneratesNoMoreThanTheSpringStored) {
+TEST(PassivityMonitor, ADecayingOscillationReturnsNoMoreThanTheStoredEnergy) {
   EXPECT_LT(generated(-2.0, 0.0), 0.51e-3);
   EXPECT_LT(generated(-20.0, 0.0), 0.2e-3);
 }
 
 // A limit cycle feeds the damping for ever: 1/2 c a^2 w^2 t.
-TEST(PassivityMonitor, ALimitCycleGeneratesEnergyWithoutBound) {
+TEST(PassivityMonitor, ALimitCycleGeneratesEnergyWithoutLimit) {
   EXPECT_NEAR(generated(0.0, 2.0), 0.5 * 2.0 * 1e-6 * 1600.0 * 3.0, 0.6e-3);
   EXPECT_GT(generated(1.0, 0.0), 5e-3);
 }
 
-TEST(PassivityMonitor, IsZeroAtRestAndAfterAReset) {
+TEST(PassivityMonitor, GeneratedEnergyIsZeroAtRestAndAfterAReset) {
   PassivityMonitor monitor;
   monitor.update(1.0, 0.0, kStep);
   EXPECT_EQ(monitor.generated(), 0.0);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-TEST(PositionLimit, AJointMustStopBeforeItsLimit) {
+TEST(PositionLimit, AJointThatCannotBrakeBeforeItsLimitLeavesItsRange) {
   const PositionRange range{-1.0, 1.0};
   EXPECT_FALSE(leaves_range(0.9, 0.9, range, 10.0));  // 0.99
   EXPECT_TRUE(leaves_range(0.9, 1.1, range, 10.0));   // 1.01

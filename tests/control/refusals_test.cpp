@@ -212,7 +212,7 @@ void expect_words(Enum last) {
   EXPECT_EQ(words.count(""), 0U);
 }
 
-TEST(Words, DifferForEveryState) {
+TEST(Descriptions, EveryStateHasADescriptionOfItsOwn) {
   expect_words(CooperativeState::kNotFinite);
   expect_words(SafetyState::kFault);
   expect_words(SafetyFault::kNotHeld);

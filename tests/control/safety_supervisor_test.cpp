@@ -165,7 +165,7 @@ TEST(SafetySupervisor, OnlyDefinedStateTransitionsAreAllowed) {
 }
 
 // A lost encoder in motion: what is left brakes by what was last known, and ends in what holds.
-TEST(SafetySupervisor, WithoutSensorsItBrakesByTheLastValidMomentum) {
+TEST(SafetySupervisor, WithoutSensorsItBrakesByFourFifthsOfTheLastMomentum) {
   Supervised s;
   VectorXd extra = Eigen::Vector3d(0.1, -0.2, 0.3);
   s.safety_.set_holding_torque(extra);
@@ -227,7 +227,7 @@ TEST(SafetySupervisor, APositionAfterAPauseIsAJumpOnlyIfUnreachable) {
 
 // Positions that are always some cycles old are new ones: an arm that moves at 0.9 of its largest velocity is not
 // stopped, and a jump is found.
-TEST(SafetySupervisor, PositionsWithConstantLatencyCountAsNew) {
+TEST(SafetySupervisor, PositionsWithConstantLatencyAreAccepted) {
   for (const double cycles : {1.0, 1.7, 5.0}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);
@@ -249,7 +249,7 @@ TEST(SafetySupervisor, PositionsWithConstantLatencyCountAsNew) {
 
 // A reply that came late, whenever its position was measured: the arm may have moved for as long as the
 // reply took, then or in the cycle after it. Without that range it has jumped.
-TEST(SafetySupervisor, APositionOfALateReplyHasNotJumped) {
+TEST(SafetySupervisor, APositionInALateReplyIsNoJumpIfItsAgeRangeIsGiven) {
   for (const bool told : {true, false}) {
     for (const bool early : {true, false}) {  // measured at the begin or at the end of the wait
       Supervised s;
@@ -275,7 +275,7 @@ TEST(SafetySupervisor, APositionOfALateReplyHasNotJumped) {
 }
 
 // One step of a coarse encoder is no jump; two are.
-TEST(SafetySupervisor, AnEncoderIncrementIsNoJump) {
+TEST(SafetySupervisor, OneEncoderIncrementIsNoJumpAndTwoAre) {
   for (const int steps : {1, 2}) {
     Supervised s;
     SafetyLimits limits = safety_limits(s.arm_, kTorque);
@@ -290,7 +290,7 @@ TEST(SafetySupervisor, AnEncoderIncrementIsNoJump) {
 }
 
 // A motor that gives nearly all it has: while it moves that is work, at a standstill it presses.
-TEST(SafetySupervisor, AMotorNearItsLimitIsSaturatedAtAStandstill) {
+TEST(SafetySupervisor, AMotorNearItsLimitIsSaturatedOnlyAtAStandstill) {
   for (const double share : {0.93, 0.97}) {
     for (const double speed : {0.0, 0.1}) {  // of the velocity limit
       Supervised s;
@@ -359,7 +359,7 @@ TEST(SafetySupervisor, ARunawayArmAfterAFaultIsSwitchedOffAtOnce) {
   EXPECT_EQ(s.safety_.joint(), 0);
 }
 
-TEST(SafetySupervisor, LaterFaultsCountWhereTheirActionIsStronger) {
+TEST(SafetySupervisor, ALaterFaultChangesTheActionOnlyToAStrongerOne) {
   Supervised s;
   too_fast(s);
   s.dq_.setZero();
@@ -478,7 +478,7 @@ TEST(SafetySupervisor, HoldingTorquesAreFiniteForAnyInput) {
 }
 
 // A robot file's effort limits count where there are any; without a range a joint has a fixed bound.
-TEST(SafetySupervisor, LimitsAreThoseOfTheRobotFile) {
+TEST(SafetySupervisor, LimitsComeFromTheRobotFileOrHaveDefaults) {
   ModelDescription d = plausible_model(read_model("psm-3dof"), 1).arm.description();
   d.coordinates[0].limits.effort = 7.0;
   for (const int i : {1, 2}) d.coordinates[i].limits.upper = std::numeric_limits<double>::infinity();

@@ -94,7 +94,7 @@ TEST_P(SingleArm, ComputedTorqueStepsEndWithinFiveMilliradAndThreeTenthsOfAMilli
 
 // Friction that falls by a third as a joint begins to move, and of which the model knows nothing:
 // integral action has made joints hunt for less.
-TEST(SingleArmFriction, StepErrorsStaySmallIfFrictionFallsWithSpeed) {
+TEST(SingleArmFriction, StepErrorsStayBoundedUnderUnmodelledStribeckFriction) {
   const Model model = psm_like();
   ModelDescription description = model.description();
   for (int i = 0; i < 3; ++i)
@@ -106,7 +106,7 @@ TEST(SingleArmFriction, StepErrorsStaySmallIfFrictionFallsWithSpeed) {
     EXPECT_LT(worst_step("veridyn", real, with_wrong_parameters(model, 0.1, seed)), 1.0) << seed;
 }
 
-TEST_P(SingleArm, ImpedanceMovesEndWithinHalfAMillimetreAndTheInsertionMovesEveryTime) {
+TEST_P(SingleArm, ImpedanceMovesEndWithinHalfAMillimetre) {
   const Model real = psm_like();
   for (const unsigned seed : seeds(GetParam())) {
     ArmRig rig(real, kTip, GetParam());

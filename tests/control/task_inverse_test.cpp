@@ -49,7 +49,7 @@ TEST(TaskInverse, AwayFromSingularitiesThePostureUsesOnlyTheNullSpace) {
 
 // The inverse as its definition says, from a singular value decomposition: poses where no direction is
 // damped take a Cholesky factor, the others eigenvectors. The threshold is half way between the poses.
-TEST(TaskInverse, SatisfiesItsDefinitionWithAndWithoutDamping) {
+TEST(TaskInverse, EqualsTheDampedInverseOfASingularValueDecomposition) {
   constexpr double kLength = 0.5;
   constexpr int kPoses = 64;
   const Model& arm = sample_arms().at("serial_RRPRRPR");
@@ -133,7 +133,7 @@ TEST(TaskInverse, ThroughASingularPoseTheJointsStayBoundedAndContinuous) {
 }
 
 // Metres or millimetres: the same arm, the same motion.
-TEST(TaskInverse, UnitsOfLengthDoNotMatter) {
+TEST(TaskInverse, TheUnitOfLengthDoesNotChangeTheMotion) {
   const Model arm = read_model("psm-3dof");
   ModelDescription millimetres = arm.description();
   for (Frame& frame : millimetres.frames) {
@@ -202,7 +202,7 @@ TEST(InverseKinematics, FindsThePoseOfRandomJointsFromNearby) {
   }
 }
 
-TEST(InverseKinematics, LimitsAreKeptAndOtherJointsCompensate) {
+TEST(InverseKinematics, JointLimitsHoldAtReachablePositions) {
   const Model arm = with_limits(sample_arms().at("serial_RRPRRPR"), 0.6);
   const int frame = static_cast<int>(arm.frames().size()) - 1;
   InverseKinematics inverse(arm, {last_frame(arm)});

@@ -34,13 +34,13 @@ struct Line {
   std::vector<char> healthy{1, 0};
 };
 
-TEST(TetherGuard, EstimatesTheLengthWithoutForce) {
+TEST(TetherGuard, EstimatesTheUnloadedLength) {
   const Line line;
   EXPECT_NEAR(line.guard.free_length(0), 0.1, 1e-9);
 }
 
 // What it learned first gives way to what it feels later.
-TEST(TetherGuard, AdaptsToAnotherLength) {
+TEST(TetherGuard, TheFreeLengthConvergesToAChangedLength) {
   Line line;
   double before = line.guard.free_length(0);
   for (int k = 0; k < 20000; ++k) {
@@ -52,7 +52,7 @@ TEST(TetherGuard, AdaptsToAnotherLength) {
 }
 
 // A string that has been slack keeps its margin; a strut that was compressed comes back to its length.
-TEST(TetherGuard, OnlyAStringKeepsAMargin) {
+TEST(TetherGuard, AStringKeepsItsSlackMarginAndAStrutDoesNot) {
   for (const bool pushes : {false, true}) {
     Line line;
     if (pushes) line.guard.detect_compression(0, -1.0);
@@ -76,7 +76,7 @@ TEST(TetherGuard, AFallingEndDoesNotTightenASlackString) {
 }
 
 // Sideways: a pendulum that swings by tightens the string by its path's curvature alone.
-TEST(TetherGuard, APassingEndDoesNotTightenASlackString) {
+TEST(TetherGuard, AnEndMovingSidewaysDoesNotTightenASlackString) {
   Line line;
   double longest = 0.0;
   for (int k = 0; k < 300; ++k) {
@@ -87,7 +87,7 @@ TEST(TetherGuard, APassingEndDoesNotTightenASlackString) {
 }
 
 // A taut member of known stiffness is stretched by no more than what twice the force does.
-TEST(TetherGuard, ATautMemberCarriesAtMostTwiceTheForce) {
+TEST(TetherGuard, AGuardedTautMemberIsStretchedByAtMostTwiceItsForce) {
   Line line(2000.0);
   double longest = 0.0;
   for (int k = 0; k < 400; ++k) {
@@ -117,7 +117,7 @@ TEST(TetherGuard, OnlyCompressibleMembersAreProtectedFromCompression) {
   }
 }
 
-TEST(TetherGuard, UncompressedMembersAreNotMoved) {
+TEST(TetherGuard, AnUnloadedOrFaultyMemberIsNotMoved) {
   Line line;
   for (int k = 0; k < 1000; ++k)
     line.step({0.10025 + 1e-7 * std::sin(0.1 * k), 0.0, 0.0});

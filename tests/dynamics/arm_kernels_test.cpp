@@ -40,7 +40,7 @@ std::vector<ArmKernels> all_kernels() {
   return all;
 }
 
-TEST_P(OnEveryArm, AllInstructionSetsAndBatchesAgree) {
+TEST_P(OnEveryArm, KernelsOfAllInstructionSetsGiveTheSameResults) {
   const int n = joints();
   const Tree tree(arm(), Tree::Keep::kMovingLinks);
   std::vector<LinkInertia> inertia(tree.links.size());
@@ -119,7 +119,7 @@ class Guarded {
 };
 
 // Kernels store whole vectors of lanes, also where a matrix is smaller than one.
-TEST_P(OnEveryArm, NothingBehindAMatrixIsWritten) {
+TEST_P(OnEveryArm, KernelsWriteNothingBeyondTheirOutputMatrices) {
   const int n = joints();
   const Tree tree(arm(), Tree::Keep::kMovingLinks);
   std::vector<LinkInertia> inertia(tree.links.size());

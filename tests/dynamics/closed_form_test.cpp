@@ -69,7 +69,7 @@ TEST(Planar2R, DynamicsAreTheClosedForm) {
 }
 
 // A mass that slides along z of the world: tau = m (ddq + g).
-TEST(Slider, CarriesItsWeight) {
+TEST(Slider, TorqueIsMassTimesAccelerationPlusGravity) {
   ArmBuilder builder("slider", 1, 24);
   builder.link(-1, JointType::kPrismatic, {1.0}, 0.0, identity_pose(), identity_pose());
   const Model arm = builder.build();

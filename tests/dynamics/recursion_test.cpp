@@ -45,7 +45,7 @@ std::vector<S> torques(const Tree& tree, const VectorXd& phi, const std::vector<
 }
 
 // The derivative of inverse dynamics along a direction of (q, dq, ddq).
-TEST_P(RecursionOnEverySampleArm, DualsCarryTheDerivativeOfTheTorques) {
+TEST_P(RecursionOnEverySampleArm, DualNumbersGiveTheDirectionalDerivativeOfTheTorques) {
   const Tree tree(arm(), Tree::Keep::kMovingLinks);
   Random random(81);
   for (const State& s : test_states(joints(), 82)) {
@@ -75,7 +75,7 @@ TEST_P(RecursionOnEverySampleArm, DualsCarryTheDerivativeOfTheTorques) {
   }
 }
 
-TEST_P(RecursionOnEverySampleArm, PacksHoldTheTorquesOfEachLane) {
+TEST_P(RecursionOnEverySampleArm, PacksGiveTheTorquesOfEachLane) {
   struct Here;
   using P = Pack<4, Here>;
   const Tree tree(arm(), Tree::Keep::kMovingLinks);
@@ -101,7 +101,7 @@ TEST_P(RecursionOnEverySampleArm, PacksHoldTheTorquesOfEachLane) {
 
 // The velocity of each body is its Jacobian times dq; from rest its acceleration is J ddq, in the
 // link's frame.
-TEST_P(RecursionOnEverySampleArm, JacobiansAreTheMotionPerUnitOfTheCoordinates) {
+TEST_P(RecursionOnEverySampleArm, LinkVelocitiesAndAccelerationsFollowFromTheJacobians) {
   const Tree tree(arm());
   Recursion<double> r(tree), at_rest(tree);
   const VectorXd none = VectorXd::Zero(joints());

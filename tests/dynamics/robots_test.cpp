@@ -32,7 +32,7 @@ class OnEveryRobotFile : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Robot, OnEveryRobotFile, testing::ValuesIn(robot_names()),
                          sample_arm_name);
 
-TEST(RobotFiles, AreFound) {
+TEST(RobotFiles, AtLeastOneIsFound) {
   EXPECT_FALSE(robot_names().empty());
 }
 

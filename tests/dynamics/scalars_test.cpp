@@ -195,7 +195,7 @@ TEST_P(ScalarsOnEverySampleArm, TheTapeGivesTheDerivativesOfTheTorques) {
 }
 
 // A wrench on a frame costs J' w, wherever the frame is.
-TEST_P(ScalarsOnEverySampleArm, ExternalWrenchesAreBorneByTheJoints) {
+TEST_P(ScalarsOnEverySampleArm, ExternalWrenchesAddTheTransposedJacobianTimesTheWrench) {
   const int n = joints();
   RigidBodyDynamics dynamics(arm(), phi());
   Random random(93);

@@ -32,7 +32,7 @@ Samples samples(int rows, int joints) {
 // Numbers of rows around the widths of the vectors, so that every tail is met.
 const std::vector<int> kRows = {1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 33};
 
-TEST_P(BatchOnEverySampleArm, ColumnsAreThoseOfTheBodiesThatTheJointMoves) {
+TEST_P(BatchOnEverySampleArm, ColumnsOfAJointBelongToTheBodiesThatItMoves) {
   const TorqueRegressor batch(arm());
   for (int i = 0; i < joints(); ++i) {
     std::vector<int> expected;
@@ -136,7 +136,7 @@ TEST_P(BatchOnEverySampleArm, GradientIsThatOfTheWeightedRegressor) {
   }
 }
 
-TEST_P(BatchOnEverySampleArm, TorqueSlopesAreThoseOfTheTorques) {
+TEST_P(BatchOnEverySampleArm, TorqueDerivativesMatchDifferencesOfTheTorques) {
   const TorqueRegressor batch(arm());
   const int n = joints();
   const Samples s = samples(9, n);
@@ -173,7 +173,7 @@ TEST(TorqueRegressor, ReadsBlocksOfLargerMatrices) {
   }
 }
 
-TEST(TorqueRegressor, ColumnsBeyondItsOwnAreNotWritten) {
+TEST(TorqueRegressor, WritesOnlyItsOwnColumns) {
   const TorqueRegressor batch(elbow_6r());
   for (const int rows : {20, 300}) {  // directly, and by blocks
     const Samples s = samples(rows, 6);

@@ -89,7 +89,7 @@ TEST_P(EveryBoundEffect, AShapeConstantMustBeFiniteAndPositiveWhereItIsAScale) {
   }
 }
 
-TEST(BoundEffect, ACouplingNeedsItsSource) {
+TEST(BoundEffect, ACouplingWithoutItsSourceIsRefused) {
   EffectTerm term = term_of("cable_coupling", yaw_axis());
   term.from.reset();
   EXPECT_NE(message_of(term).find("needs `from: {coordinate: 1}`"), std::string::npos);
@@ -102,7 +102,7 @@ TEST(BoundEffect, AnEffectThatActsOnNoAxisIsRefused) {
   EXPECT_NE(message_of(term).find("'payload' cannot act along an axis"), std::string::npos);
 }
 
-TEST(BoundEffect, TheAxisMayFollowSeveralCoordinatesAndHaveAnOffset) {
+TEST(BoundEffect, AnAxisIsALinearCombinationOfCoordinatesPlusAnOffset) {
   const Axis axis = axis_of(1.2, -0.8, 0.0, 0.3);
   const Model arm = bare_arm({});
   BoundEffect spring(arm, term_of("joint_spring", axis, {{"stiffness", 2.0}}));
@@ -118,7 +118,7 @@ TEST(BoundEffect, TheAxisMayFollowSeveralCoordinatesAndHaveAnOffset) {
   EXPECT_EQ(spring.unit(0), "N m/rad");
 }
 
-TEST(BoundEffect, SamplesMayLieApartInMemoryAndTimeCountsFromTheStart) {
+TEST(BoundEffect, SamplesAreReadWithAStrideAndTimeCountsFromTheReset) {
   // Three joints in columns of two samples; the second sample is wanted.
   const double q[] = {0, 0.1, 0, 0.2, 0, 0.3};
   const double dq[] = {0, 1.1, 0, 1.2, 0, 1.3};
@@ -161,7 +161,7 @@ TEST(BoundEffect, InitialShapeConstantsDependOnTheJointType) {
       1e-3);
 }
 
-TEST(BoundEffect, SeveralMemoriesOnOneAxisHaveNamesOfTheirOwn) {
+TEST(BoundEffect, HysteresesOnOneAxisHaveDistinctNames) {
   const EffectTerm near_one = term_of("presliding_hysteresis", yaw_axis(), {{"distance", 5e-3}});
   const EffectTerm far_one = term_of("presliding_hysteresis", yaw_axis(), {{"distance", 0.24}});
   EXPECT_EQ(BoundEffect(bare_arm({near_one}), near_one).parameter_name(0),
@@ -178,7 +178,7 @@ TEST(BoundEffect, HasValuesOnlyIfTheFileGivesEveryParameter) {
   EXPECT_FALSE(bound("warm_up", {{"level", 0.2}, {"time_constant", 30.0}}).has_values());
 }
 
-TEST(BoundEffect, APhraseNeedsOneValueForEachParameter) {
+TEST(BoundEffect, APhraseWithTooFewValuesIsRefused) {
   EXPECT_THROW(bound("warm_up").phrase({1.0}), InvalidInput);
 }
 

@@ -26,7 +26,7 @@ std::string refusal(const std::string& words) {
 }
 
 // Every number of every frame, of rows and of origins, is set alone: the others keep their values.
-TEST(Cause, OnlyTheGivenConstantOfAFrameIsSet) {
+TEST(Cause, SettingOneFrameConstantKeepsAllOthers) {
   std::map<std::string, Model> arms = sample_arms();
   arms.emplace("psm-3dof", psm());
   int rows = 0, origins = 0;
@@ -120,7 +120,7 @@ TEST(Cause, RejectsUnknownNamesAndListsKnownOnes) {
 }
 
 // A load and a number of a frame's row act where the last joint moves the frame.
-TEST(Cause, ActsAtAJointOrOnTheArm) {
+TEST(Cause, ALoadActsAtTheLastJointThatMovesItsFrame) {
   const Model arm = psm();
   const int tool = arm.find_frame("tool");
   ASSERT_GE(tool, 0);
@@ -141,7 +141,7 @@ TEST(Cause, ActsAtAJointOrOnTheArm) {
 }
 
 // Whatever turned gravity, the roll and pitch that are said turn it there.
-TEST(GravityTilt, ValuesMapOneGravityToTheOther) {
+TEST(GravityTilt, RollAndPitchBetweenTwoGravitiesMapOneToTheOther) {
   const auto& tilt = dynamic_cast<const ArmEffect&>(find_effect("gravity_tilt"));
   for (const Eigen::Vector3d& gravity : {Eigen::Vector3d(0.0, 0.0, -9.81), Eigen::Vector3d(9.81, 0.0, 0.0), Eigen::Vector3d(3.0, 5.0, -7.0)}) {
     for (const auto& [roll, pitch] : {std::pair(0.02, -0.01), std::pair(M_PI, 0.0), std::pair(1.6, 0.3), std::pair(-2.5, 1.2)}) {

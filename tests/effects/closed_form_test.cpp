@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kEps = 1e-14;
 
-TEST(RigidFriction, IsProportionalToVelocityOrToItsSignAndAnOffsetToNothing) {
+TEST(RigidFriction, ColumnsAreVelocityItsSignAndAConstant) {
   EXPECT_EQ(columns_of("viscous_friction", moving(0.3, -0.7))[0], -0.7);
   EXPECT_EQ(columns_of("torque_offset", moving(0.3, -0.7))[0], 1.0);
   EXPECT_EQ(columns_of("coulomb_friction", moving(0.3, -0.7))[0], -1.0);
@@ -26,7 +26,7 @@ TEST(CoulombFriction, IsLinearThroughRest) {
 }
 
 // 2 / (1 + exp(-a v)) - 1 = tanh(a v / 2).
-TEST(CoulombFriction, WithASlopeIsTheSigmoidOfTheThesisWithTheSignOfTheErrata) {
+TEST(CoulombFriction, WithASlopeIsTheSigmoidOfTheThesisErrata) {
   for (const double a : {20.0, 300.0}) {
     for (const double v : {-2.0, -0.01, 0.0, 1e-8, 0.003, 0.4}) {
       const double sigmoid = 2.0 / (1.0 + std::exp(-a * v)) - 1.0;
@@ -39,7 +39,7 @@ TEST(JointSpring, PullsBackToItsRest) {
   EXPECT_EQ(columns_of("joint_spring", moving(0.4, 0))[0], 0.4);
 }
 
-TEST(JointSpring, OnALeverIsTheSlopeOfItsElasticEnergy) {
+TEST(JointSpring, OnALeverItsTorqueIsTheSlopeOfTheElasticEnergy) {
   const double r = 0.03;
   const double a = 0.11;
   const double rest = 0.07;
@@ -57,11 +57,11 @@ TEST(JointSpring, OnALeverIsTheSlopeOfItsElasticEnergy) {
   }
 }
 
-TEST(JointSpring, IsFiniteWhereThePinMeetsTheAnchor) {
+TEST(JointSpring, ItsTorqueIsZeroWherePinAndAnchorCoincide) {
   EXPECT_EQ(columns_of("joint_spring", moving(0, 0), {{"lever", 0.1}, {"anchor", 0.1}})[0], 0.0);
 }
 
-TEST(EndStop, IsASpringBeyondOneEndAndNothingElsewhere) {
+TEST(EndStop, ActsAsASpringBeyondItsEndAndIsZeroElsewhere) {
   const auto at = [](double s, double side) {
     return columns_of("end_stop", moving(s, 0.3), {{"centre", 0.2}, {"reach", 0.5}, {"side", side}})[0];
   };
@@ -71,7 +71,7 @@ TEST(EndStop, IsASpringBeyondOneEndAndNothingElsewhere) {
   EXPECT_NEAR(at(-0.7, -1.0), -0.4, kEps);  // the motor pulls where the stop pushes upwards
 }
 
-TEST(StribeckFriction, FadesAsABellCurveOfVelocity) {
+TEST(StribeckFriction, DecaysAsAGaussianOfVelocity) {
   const std::map<std::string, double> shape{{"velocity", 0.2}};
   EXPECT_NEAR(columns_of("stribeck_friction", moving(0, 0.2), shape)[0], std::exp(-1.0), kEps);
   EXPECT_NEAR(columns_of("stribeck_friction", moving(0, -0.4), shape)[0], -std::exp(-4.0), kEps);
@@ -80,7 +80,7 @@ TEST(StribeckFriction, FadesAsABellCurveOfVelocity) {
               2 * kRestSpeed * kRestSpeed);
 }
 
-TEST(AsymmetricFriction, IsForwardsMinusBackwards) {
+TEST(AsymmetricFriction, TheParameterIsForwardMinusBackwardFriction) {
   const EffectColumns forwards = columns_of("asymmetric_friction", moving(0, 0.6));
   const EffectColumns backwards = columns_of("asymmetric_friction", moving(0, -0.6));
   // Friction is positive in the direction of motion: its size backwards is minus the torque.
@@ -106,7 +106,7 @@ TEST(AsymmetricFriction, IsCollinearWithAnOffsetUnlessSomeSamplesAreAtRest) {
   EXPECT_EQ(rank({-0.5, -0.2, 0.0, 0.3, 0.8}), 3);
 }
 
-TEST(PositionDependentFriction, ChangesItsLevelOrItsCoefficientWithPosition) {
+TEST(PositionDependentFriction, LevelAndViscosityAreQuadraticInThePosition) {
   for (const double ds : {-0.3, 0.3}) {
     const EffectColumns level =
         columns_of("position_dependent_friction", moving(0.7, ds), {{"centre", 0.2}});
@@ -127,7 +127,7 @@ TEST(LoadDependentFriction, OpposesTheMotionWhicheverWayTheLoadPulls) {
   }
 }
 
-TEST(SpeedLaws, GrowWithTheSquareOrWithAPowerBelowOne) {
+TEST(SpeedLaws, DragIsQuadraticAndSublinearFrictionAPowerBelowOne) {
   EXPECT_NEAR(columns_of("quadratic_drag", moving(0, -0.3))[0], -0.09, kEps);
   EXPECT_NEAR(columns_of("sublinear_viscous", moving(0, -0.25))[0], -0.5, kEps);
   EXPECT_NEAR(columns_of("sublinear_viscous", moving(0, 2.0), {{"exponent", 0.3}})[0],
@@ -153,7 +153,7 @@ TEST(TorqueRipple, RepeatsEveryTurnDividedByItsOrder) {
   }
 }
 
-TEST(CableCoupling, FollowsTheOtherCoordinate) {
+TEST(CableCoupling, DependsOnPositionSquareAndSignOfVelocityOfItsSource) {
   AxisSample x = moving(5.0, 6.0);
   x.from_s = -0.2;
   x.from_ds = -0.1;
@@ -164,7 +164,7 @@ TEST(CableCoupling, FollowsTheOtherCoordinate) {
 }
 
 // T_k(cos a) = cos(k a).
-TEST(PositionForce, IsMadeOfChebyshevPolynomialsOverItsRange) {
+TEST(PositionForce, ColumnsAreChebyshevPolynomialsOverItsRange) {
   const std::map<std::string, double> shape{{"centre", 0.1}, {"half_range", 0.4}};
   for (double a = 0.0; a <= M_PI; a += 0.1) {
     const EffectColumns row =
@@ -180,7 +180,7 @@ TEST(PositionForce, StaysConstantOutsideItsRange) {
   for (int c = 0; c < 4; ++c) EXPECT_NEAR(end[c], far[c], 1e-13);
 }
 
-TEST(SlowEffects, GrowOrFadeWithTime) {
+TEST(SlowEffects, DriftGrowsLinearlyAndWarmUpDecaysExponentially) {
   AxisSample x = moving(0, -0.5);
   x.time = 120.0;
   EXPECT_EQ(columns_of("torque_drift", x)[0], 120.0);
@@ -207,7 +207,7 @@ TEST_P(FrictionWithoutMemory, DissipatesPowerAtEverySampleForAnyAllowedParameter
   }
 }
 
-TEST_P(FrictionWithoutMemory, IsTheSameInBothDirections) {
+TEST_P(FrictionWithoutMemory, IsAnOddFunctionOfVelocity) {
   for (AxisSample x : random_samples(9)) {
     const EffectColumns row = columns_of(GetParam(), x);
     x.ds = -x.ds;

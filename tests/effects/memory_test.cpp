@@ -108,7 +108,7 @@ TEST_P(RateIndependent, TheMirroredPathHasTheMirroredForce) {
   for (size_t i = 0; i < force.size(); ++i) EXPECT_EQ(mirrored[i], -force[i]);
 }
 
-TEST_P(RateIndependent, TheFirstSampleIsTheUnloadedStateWhereverItLies) {
+TEST_P(RateIndependent, TheForceAtTheFirstSampleIsZeroWhateverItsPosition) {
   BoundEffect e = effect();
   EffectColumns row{};
   e.columns(moving(-0.7, 2.0), row);
@@ -189,7 +189,7 @@ TEST(PreslidingHysteresis, EveryStepStoresAtLeastTheRecoverableEnergy) {
   }
 }
 
-TEST(PreslidingHysteresis, AWideLoopCostsFourTimesAmplitudeMinusDistance) {
+TEST(PreslidingHysteresis, AWideLoopDissipatesFourTimesAmplitudeMinusDistance) {
   const double A = 0.5;
   const double step = kDistance / 100;
   const double loop = work(presliding(), {0, A, -A, A}, step) - work(presliding(), {0, A}, step);
@@ -197,7 +197,7 @@ TEST(PreslidingHysteresis, AWideLoopCostsFourTimesAmplitudeMinusDistance) {
   EXPECT_NEAR(loop, 4 * (A - kDistance), step * step / 12 * 2 * (2 / kDistance) * 1.01);
 }
 
-TEST(Backlash, IsFreeInTheGapAndMeetsItsFrictionAtTheEnds) {
+TEST(Backlash, ForceIsZeroInsideTheGapAndRisesTowardsItsEnds) {
   // Out of contact in front, 1 - 2 way / gap is the place in the gap.
   for (const double share : {0.0, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 1.0, 2.0}) {
     const double place = std::clamp(1 - 2 * share, -1.0, 1.0);
@@ -207,7 +207,7 @@ TEST(Backlash, IsFreeInTheGapAndMeetsItsFrictionAtTheEnds) {
   }
 }
 
-TEST(Backlash, ALoopCostsItsLengthWithoutTheTwoGapsAndNothingInsideTheGap) {
+TEST(Backlash, ALoopDissipatesItsLengthMinusTheTwoGaps) {
   const double step = kGap / 1000;
   const double A = 0.05;
   const double wide = work(backlash(), {0, A, -A, A}, step) - work(backlash(), {0, A}, step);
@@ -215,7 +215,7 @@ TEST(Backlash, ALoopCostsItsLengthWithoutTheTwoGapsAndNothingInsideTheGap) {
   EXPECT_NEAR(work(backlash(), {0, 0.4 * kGap, -0.45 * kGap, 0}, step), 0.0, work_error(3, step));
 }
 
-TEST(FrictionWithADistance, TakesItsDirectionFromTheContactMemory) {
+TEST(FrictionWithADistance, ItsSignIsTheStateOfThePreslidingHysteresis) {
   BoundEffect z = presliding();
   BoundEffect load = bound("load_dependent_friction", {{"distance", kDistance}});
   BoundEffect place =
@@ -248,7 +248,7 @@ TEST(TransmissionCompliance, DifferentiatesAQuadraticLoadExactlyAtIrregularTimes
   }
 }
 
-TEST(TransmissionCompliance, IsTheSecondDerivativeOneSampleBefore) {
+TEST(TransmissionCompliance, IsTheSecondDerivativeOfTheLoadOneSampleBefore) {
   constexpr double kW = 20.0;
   constexpr double kDt = 1e-3;
   BoundEffect e = bound("transmission_compliance");
@@ -264,7 +264,7 @@ TEST(TransmissionCompliance, IsTheSecondDerivativeOneSampleBefore) {
   }
 }
 
-TEST(TransmissionCompliance, ARepeatedSampleChangesNothing) {
+TEST(TransmissionCompliance, ARepeatedSampleGivesTheSameValue) {
   BoundEffect e = bound("transmission_compliance");
   EffectColumns row{};
   AxisSample x;
@@ -279,7 +279,7 @@ TEST(TransmissionCompliance, ARepeatedSampleChangesNothing) {
   EXPECT_NEAR(row[0], 1.0, 1e-14);
 }
 
-TEST(Memory, IsClearedByAReset) {
+TEST(Memory, AResetEffectActsLikeANewOne) {
   for (const std::string& name : axis_effect_names()) {
     BoundEffect fresh = bound(name);
     BoundEffect used = bound(name);

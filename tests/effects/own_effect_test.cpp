@@ -133,7 +133,7 @@ TEST_F(OwnEffect, IsKeptByARobotFileRoundTrip) {
             "eddy_current_brake(shoulder).level");
 }
 
-TEST_F(OwnEffect, IsIdentified) {
+TEST_F(OwnEffect, ItsLevelIsIdentifiedWithinFivePercent) {
   const Model arm = unknown(with_brake({{"peak_speed", kPeak}}));
   const Identification id = identify(arm, {recording(1), recording(2)}, {recording(3)});
   ASSERT_TRUE(id.model.has_value()) << id.reason;
@@ -159,7 +159,7 @@ TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
 }
 
 // A request without numbers makes a tenth of the joint's effort, as for every other effect.
-TEST_F(OwnEffect, IsInjectedWithASensibleSize) {
+TEST_F(OwnEffect, IsInjectedWithAPositiveDefaultSize) {
   const PerturbedArm arm = inject_effects(plain(), {parse_hidden_effect("eddy_current_brake:1")});
   ASSERT_EQ(arm.effects.size(), 1U);
   EXPECT_GT(arm.effects[0].values.at("level"), 0.0);
@@ -168,7 +168,7 @@ TEST_F(OwnEffect, IsInjectedWithASensibleSize) {
 
 // One joint with inertia J in free motion against the brake alone: J dv/dt = -2 level x/(1 + x^2)
 // gives t = J p / (2 level) (ln(v0 / v) + (v0^2 - v^2) / (2 p^2)).
-TEST_F(OwnEffect, IsSimulatedForward) {
+TEST_F(OwnEffect, ABrakedMotionFollowsItsClosedForm) {
   ModelDescription d = with_brake({{"level", kLevel}, {"peak_speed", kPeak}}).description();
   d.gravity.setZero();
   d.effects.erase(d.effects.begin(), d.effects.end() - 1);
@@ -208,7 +208,7 @@ TEST_F(OwnEffect, IsSeparatedByADesignedMotion) {
   EXPECT_GT(motion.discrimination->first_left, 0.0);
 }
 
-TEST_F(OwnEffect, IsCompensated) {
+TEST_F(OwnEffect, FrictionCompensationHasItsForceAtEverySpeed) {
   const Model arm = with_brake({{"level", kLevel}, {"peak_speed", kPeak}});
   ModelDescription d = arm.description();
   d.effects.erase(d.effects.begin(), d.effects.end() - 1);

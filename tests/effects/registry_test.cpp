@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Axis, EveryAxisEffect, testing::ValuesIn(axis_effect_na
                          effect_case);
 
 // docs/contract.md names every effect and every other cause, and nothing else; docs/causes.md explains them.
-TEST(EffectRegistry, HasTheNamesOfTheContractAndOfThePageOfCauses) {
+TEST(EffectRegistry, EveryEffectAndCauseIsDocumentedAndNoOther) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/docs/contract.md");
   ASSERT_TRUE(file.good());
   const std::string all((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -67,7 +67,7 @@ TEST(EffectRegistry, AnUnknownNameIsRejectedWithAlternatives) {
   }
 }
 
-TEST_P(EveryAxisEffect, FitsTheFixedSizesAndSharesNoNameWithTheFilesOwnKeys) {
+TEST_P(EveryAxisEffect, HasUniqueParameterNamesThatAreNoReservedKeys) {
   std::set<std::string> names;
   ASSERT_FALSE(effect().parameters().empty());
   EXPECT_LE(effect().parameters().size(), size_t{kMaxEffectParameters});
@@ -84,7 +84,7 @@ TEST_P(EveryAxisEffect, FitsTheFixedSizesAndSharesNoNameWithTheFilesOwnKeys) {
   }
 }
 
-TEST_P(EveryAxisEffect, SearchesItsShapeConstantsFromWithinTheirRange) {
+TEST_P(EveryAxisEffect, InitialShapeConstantsLieWithinTheirBounds) {
   for (const EffectShape& s : effect().shapes()) {
     EXPECT_LT(s.lower, s.upper) << s.name;
     if (!s.searched) continue;
@@ -106,7 +106,7 @@ TEST_P(EveryAxisEffect, HasEffortsInNewtonMetresOrInNewtons) {
   }
 }
 
-TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoExactlyItsOwnColumns) {
+TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoItsOwnColumnsOnly) {
   BoundEffect e = bound(GetParam());
   const auto count = static_cast<size_t>(e.parameter_count());
   for (const AxisSample& x : random_samples(3)) {
@@ -117,7 +117,7 @@ TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoExactlyItsOwnColumns) {
   }
 }
 
-TEST_P(EveryAxisEffect, KeepsAStateOnlyIfDeclared) {
+TEST_P(EveryAxisEffect, ChangesItsStateOnlyIfDeclared) {
   if (effect().traits().memory) GTEST_SKIP() << "has a memory";
   const BoundEffect e = bound(GetParam());
   EffectState state{};

@@ -57,7 +57,7 @@ TEST(TabulatedForce, ReadsTheSelectedSignal) {
 }
 
 // Two windows on a direction, or triangles one width apart, add up to the table without a window.
-TEST(TabulatedForce, WindowsAddUpToOne) {
+TEST(TabulatedForce, OverlappingWindowsAddUpToTheTableWithoutWindow) {
   AxisSample x;
   x.s = 0.55;
   for (x.ds = -0.9; x.ds < 1.0; x.ds += 0.1) {

@@ -82,7 +82,7 @@ TEST_P(EveryEffect, ReadsOnlyDeclaredInputs) {
   EXPECT_EQ(matters.count("from_s") + matters.count("from_ds") > 0, traits().uses_source);
 }
 
-TEST_P(EveryEffect, KeepsAStateOnlyWithAMemory) {
+TEST_P(EveryEffect, HasAStateOnlyIfDeclaredWithMemory) {
   EffectState state{};
   for (const AxisSample& x : random_samples(72)) columns(x, state);
   EXPECT_EQ(state != EffectState{}, traits().memory);
@@ -118,7 +118,7 @@ TEST_P(EveryEffect, IsAffineIfDeclared) {
 
 // Between minus and plus the rest speed dry friction is a straight line, beyond it bends off;
 // constant where nothing but the direction counts.
-TEST_P(EveryEffect, IsDryIfDeclared) {
+TEST_P(EveryEffect, SaturatesAboveTheRestSpeedExactlyIfDeclaredDry) {
   bool dry = false;
   bool constant = true;
   for (size_t p = 0; p < count(); ++p) {
@@ -195,7 +195,7 @@ TEST_P(EveryEffect, FrictionOpposesTheMotion) {
   }
 }
 
-TEST_P(EveryEffect, OffersChoicesOfEveryConstantThatIsSearched) {
+TEST_P(EveryEffect, ItsGridHasValuesForEverySearchedConstant) {
   AxisMotion motion;
   motion.middle = 0.2;
   motion.travel = 1.5;
@@ -214,7 +214,7 @@ TEST_P(EveryEffect, OffersChoicesOfEveryConstantThatIsSearched) {
   }
 }
 
-TEST(Traits, MemoryDependsOnTheShapeConstants) {
+TEST(Traits, AFrictionEffectHasMemoryOnlyWithADistance) {
   for (const char* name : {"load_dependent_friction", "position_dependent_friction"}) {
     const AxisEffect& effect = find_axis_effect(name);
     ShapeValues shape{};
@@ -227,7 +227,7 @@ TEST(Traits, MemoryDependsOnTheShapeConstants) {
   }
 }
 
-TEST(Grid, FollowsTheMotionOfTheAxis) {
+TEST(Grid, ScalesWithTravelSpeedAndDurationOfTheMotion) {
   AxisMotion motion;
   motion.middle = 0.1;
   motion.travel = 2.0;

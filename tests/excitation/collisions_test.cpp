@@ -135,7 +135,7 @@ TEST(Collisions, LinksKeepTheirClearanceAndStayAboveTheFloor) {
   EXPECT_EQ(free.report().find("gap of "), std::string::npos);
 }
 
-TEST(Collisions, GapsAreThoseOfPointsAlongTheAxes) {
+TEST(Collisions, GapsEqualTheLeastDistanceOfSampledAxisPoints) {
   const Model arm = read_model(folding_path());
   const std::vector<Capsule> capsules = folding_capsules();
   RandomNumbers random(3);
@@ -197,7 +197,7 @@ TEST(Collisions, GradientsMatchCentralDifferences) {
   }
 }
 
-TEST(Collisions, LinksThatAlwaysTouchAreNotKeptApart) {
+TEST(Collisions, LinksThatTouchInEveryPostureAreReportedAndNotLimited) {
   const Model arm = read_model(folding_path());
   std::vector<Capsule> capsules = folding_capsules();
   capsules.push_back({"hand", {0, 0, 0}, {0, 0, 0}, 0.5});  // reaches back to the elbow
@@ -209,7 +209,7 @@ TEST(Collisions, LinksThatAlwaysTouchAreNotKeptApart) {
 
 // What is to be kept clear of is kept or named: a floor above the shoulder, which no posture leaves; one
 // that the links reach in some postures; and a turntable, whose mount the floor is.
-TEST(Collisions, AnObstacleIsNeverDropped) {
+TEST(Collisions, AnObstacleIsKeptAsALimitOrReportedAsImpossible) {
   const Model arm = read_model(folding_path());
   const auto floor_at = [](double z) { return Obstacle{"floor", {-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, z}}; };
   const auto with_floor = [&](double z) { return collision_limits(arm, folding_capsules(), {floor_at(z)}); };
@@ -229,7 +229,7 @@ TEST(Collisions, AnObstacleIsNeverDropped) {
 }
 
 // The first lines say what was not checked, with the option that does.
-TEST(Cautions, ListUncheckedAndAssumedShapes) {
+TEST(Cautions, UncheckedCollisionsAndAssumedLimitsAreListed) {
   ModelDescription d = read_model(folding_path()).description();
   d.coordinates[1].limits.velocity = INFINITY;
   d.coordinates[2].limits.effort = INFINITY;
@@ -266,7 +266,7 @@ bool says(const Model& arm, const std::string& words) {
   return std::any_of(all.begin(), all.end(), [&](const std::string& one) { return one.find(words) != std::string::npos; });
 }
 
-TEST(Cautions, AskAboutLimitsThatLookLikeDegrees) {
+TEST(Cautions, LimitsThatLookLikeDegreesAreQuestioned) {
   const Model arm = read_model("planar-2r");
   EXPECT_FALSE(says(arm, "degrees"));
   ModelDescription d = arm.description();
@@ -292,7 +292,7 @@ TEST(Cautions, AskAboutLimitsThatLookLikeDegrees) {
 }
 
 // The same path, slower: velocities by the share, accelerations by its square.
-TEST(Excitation, ASlowerRunIsTheSamePath) {
+TEST(Excitation, HalfTheSpeedGivesTheSamePath) {
   const Model arm = read_model(folding_path());
   ExcitationOptions options = short_search();
   const Excitation whole = optimise_excitation(arm, options);

@@ -24,7 +24,7 @@ double volume(const MatrixXd& W, const std::vector<int>& chosen) {
 }
 
 // A zero column, a copy in other units and a sum are left out; so is what those that are taken already span.
-TEST(ChosenColumns, AreIndependent) {
+TEST(ChosenColumns, AreLinearlyIndependent) {
   Random random(3);
   MatrixXd W(40, 6);
   for (int c = 0; c < 6; ++c) W.col(c) = random.vector(40, -1, 1);
@@ -44,7 +44,7 @@ TEST(ChosenColumns, AreIndependent) {
 }
 
 // A column that hardly differs from the others is taken where little is enough.
-TEST(ChosenColumns, ExcludeColumnsBelowTheShare) {
+TEST(ChosenColumns, ExcludeColumnsThatAddLessThanTheShare) {
   MatrixXd W = MatrixXd::Identity(3, 2);
   W(0, 1) = 1.0;
   W(1, 1) = 0.05;

@@ -84,7 +84,7 @@ TEST(Excitation, EverySolverImprovesOnARandomMotion) {
   }
 }
 
-TEST(Excitation, EachCriterionIsBestForItsOwnMotion) {
+TEST(Excitation, EachCriterionGivesTheMotionBestByItself) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.iterations = 100;
@@ -133,7 +133,7 @@ TEST(Excitation, LeavesTheBrakingMarginOfASafetySupervisor) {
 
 // Scaled columns cancel the amplitude: with a condition number an arm may hardly move a joint, whose
 // own columns are then as well conditioned as any. The default criterion uses every joint.
-TEST(Excitation, TheDefaultMovesEveryJoint) {
+TEST(Excitation, TheDefaultCriterionMovesEveryJoint) {
   for (const char* robot : {"elbow-6r", "psm-3dof", "scara"}) {
     const Model arm = read_model(robot);
     ExcitationOptions options = small_search();
@@ -160,7 +160,7 @@ TEST(Excitation, AHardlyMovingJointIsReported) {
 }
 
 // A maker's file has no friction: the motion is designed for the arm that will be identified.
-TEST(Excitation, OfAFileWithoutFrictionIsDesignedWithFriction) {
+TEST(Excitation, IsDesignedWithFrictionIfTheRobotFileHasNone) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 2).arm.description();
   d.effects.clear();
   d.values = RobotValues::kPrior;
@@ -173,7 +173,7 @@ TEST(Excitation, OfAFileWithoutFrictionIsDesignedWithFriction) {
 }
 
 // A random motion with the same values and noise would leave twice the deviation and more.
-TEST(Excitation, RelativeDeviationsAreHalfOfThoseOfARandomMotion) {
+TEST(Excitation, RelativeDeviationsAreBelowHalfOfARandomMotions) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.iterations = 60;
@@ -220,7 +220,7 @@ TEST(Excitation, AnInterruptedSearchKeepsAMotionWithinTheLimits) {
 }
 
 // The regressor stacked and decomposed without any of the shortcuts.
-TEST(Excitation, ConditionNumberIsThatOfTheStackedScaledRegressor) {
+TEST(Excitation, ConditionNumberEqualsThatOfTheScaledRegressor) {
   const Model arm = sample_arms().at("spherical_RRP");
   const BaseRegressor regressor(arm);
   Random random(3);
@@ -268,7 +268,7 @@ TEST(Excitation, RefusesOptionsOutOfRange) {
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.essential = 1.0; })), InvalidInput);
 }
 
-TEST(Excitation, RefusesRivalsThatNoMotionSeparates) {
+TEST(Excitation, RefusesCausesThatNoMotionSeparates) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.criterion = ExcitationCriterion::kDiscriminate;

@@ -79,7 +79,7 @@ TEST(FourierTrajectory, CoefficientsAlreadyAtRestAreUnchanged) {
   EXPECT_TRUE(near(b, t.b(), 1e-14));
 }
 
-TEST(FourierTrajectory, TheSampledMotionRepeatsAndEndsWhereItBegan) {
+TEST(FourierTrajectory, TheSampledMotionIsPeriodicAndEndsAtRest) {
   const FourierTrajectory t = random_trajectory(5);
   const double rate = 1000.0 * kFrequency;  // a whole number of rows per period
   const MotionSamples m = t.motion(3, rate);

@@ -68,7 +68,7 @@ void expect_gradient(const Case& c) {
 
 class GradientOf : public testing::TestWithParam<std::string> {};
 
-TEST_P(GradientOf, AgreesWithCentralDifferences) {
+TEST_P(GradientOf, TheCriterionAgreesWithCentralDifferences) {
   expect_gradient(Case(read_model(GetParam()), 5));
 }
 
@@ -99,7 +99,7 @@ TEST(Gradient, OfEveryKindOfEffectAgreesWithCentralDifferences) {
 }
 
 // The base columns span all columns: nothing of the regressor is lost.
-TEST_P(GradientOf, TheBaseColumnsSpanAllColumns) {
+TEST_P(GradientOf, BaseColumnsHaveANonsingularOrthogonalBasis) {
   const BaseRegressor r(read_model(GetParam()));
   EXPECT_EQ(r.orthogonal_basis().rows(), r.size());
   EXPECT_TRUE(r.orthogonal_basis().allFinite());

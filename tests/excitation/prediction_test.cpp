@@ -73,7 +73,7 @@ TEST(Prediction, EqualsTheScatterOfLeastSquares) {
 }
 
 // Twice the time, or the same recorded before, halves the variance.
-TEST(Prediction, GivenRecordingsCountAsMuchAsNewOnes) {
+TEST(Prediction, AGivenRecordingOfTheSameMotionHalvesTheVariance) {
   const Model arm = plausible_model(read_model("psm-3dof"), 2).arm;
   const MotionSamples motion = some_motion(3, 3);
   const Prediction alone = predict_identification(arm, motion, noise(3, 0.04));
@@ -99,7 +99,7 @@ TEST(Prediction, BaseParametersGiveTheTorquesOfTheArm) {
 }
 
 // The names that `identify` prints, in its order: one computation of base parameters.
-TEST(Prediction, ListsTheParametersOfAnIdentification) {
+TEST(Prediction, ListsTheSameBaseParametersAsAnIdentification) {
   ExcitationOptions options;
   options.solver = ExcitationSolver::kRandom;
   options.iterations = 1;
@@ -115,7 +115,7 @@ TEST(Prediction, ListsTheParametersOfAnIdentification) {
 }
 
 // What an identification left is the noise of the next one; without it a share of the largest effort.
-TEST(Prediction, TheUsualNoiseIsMeasuredOrAShareOfTheEffort) {
+TEST(Prediction, TheDefaultNoiseIsThatOfTheModelOrOnePercentOfTheEffort) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 2).arm.description();
   d.coordinates[0].limits.effort = 20.0;
   d.coordinates[1].limits.effort = kInfinity;
@@ -142,7 +142,7 @@ TEST(Prediction, ExpectedNoiseFollowsTheTorquesOfTheMotion) {
   EXPECT_EQ(expected_noise(Model(d), motion).deviation, d.identified->noise);
 }
 
-TEST(Prediction, IsMissingForAModelWithoutValues) {
+TEST(Prediction, RefusesAModelWithoutValues) {
   const Model arm = read_model("psm-3dof");
   EXPECT_THROW(predict_identification(arm, some_motion(3, 1), noise(3, 0.04)), InvalidInput);
   const Model known = plausible_model(arm, 1).arm;

@@ -111,7 +111,7 @@ TEST_P(SearchGradient, OfTheRelativeDeviationsMatchesCentralDifferences) {
 
 // The criterion is what the prediction says, up to a factor that is the same for all motions; only
 // what is nearly nothing is taken relative to more than itself.
-TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
+TEST_P(SearchGradient, TheCriterionEqualsThePredictedDeviations) {
   const Search s(plausible_model(read_model("psm-3dof"), 2).arm);
   ExcitationOptions options;
   if (GetParam()) options.given = {recorded(s)};
@@ -185,7 +185,7 @@ TEST(SearchJacobian, OfEveryKindOfLimitAgreesWithCentralDifferences) {
 }
 
 // A rival that can do all that the other one does: what the other one leaves is asked only.
-TEST(Discrimination, OfNestedRivalsUsesThePartOnlyOneExplains) {
+TEST(Discrimination, GradientForNestedCausesMatchesCentralDifferences) {
   const Search s(read_model("planar-2r"));
   ExcitationOptions options;
   options.criterion = ExcitationCriterion::kDiscriminate;

@@ -26,7 +26,7 @@ MotionSamples passes(const VectorXd& rest, int count) {
   return slow_passes(limits(), rest, {0, 1}, count, kRate, always);
 }
 
-TEST(SlowPasses, BeginAndEndAtRestWhereTheArmIs) {
+TEST(SlowPasses, BeginAndEndAtRestAtTheGivenPosition) {
   const Eigen::Vector2d rest(0.3, 0.15);
   const MotionSamples m = passes(rest, 2);
   for (const Eigen::Index row : {Eigen::Index{0}, m.rows() - 1}) {
@@ -64,7 +64,7 @@ TEST(SlowPasses, KeepTheLimitsAndMoveOneJointAtATime) {
 
 // Long segments at 1, sqrt(10) and 10 % of the largest speed in both directions, three reversals
 // in each pass.
-TEST(SlowPasses, HoldTheirSpeedsAndReverse) {
+TEST(SlowPasses, HoldThreeSpeedsInBothDirections) {
   const MotionSamples m = passes(Eigen::Vector2d(0.0, 0.1), 3);
   for (int i = 0; i < 2; ++i) {
     for (const double share : {0.01, std::sqrt(1e-3), 0.1}) {
@@ -99,7 +99,7 @@ TEST(SlowPasses, AreShortenedUntilOtherLimitsHold) {
   EXPECT_EQ(slow_passes(limits(), Eigen::Vector2d(0.3, 0.1), {0, 1}, 2, kRate, never).rows(), 0);
 }
 
-TEST(SlowPasses, FollowTheLastPeriodWithinItsLimits) {
+TEST(SlowPasses, AreAppendedAfterTheLastPeriodWithinLimits) {
   ExcitationOptions options;
   options.starts = 1;
   options.iterations = 10;

@@ -73,7 +73,7 @@ TEST(WorkspaceLimits, SpheresKeepTheirClearance) {
 }
 
 // The tool of the PSM turns about its remote centre; it is at the centre at 0.4318 - 0.4162 m.
-TEST(WorkspaceLimits, InsertionLimitsApplyToTheCoordinate) {
+TEST(WorkspaceLimits, InsertionLimitsCountFromTheRemoteCentre) {
   const Model arm = read_model("psm-3dof");
   const VectorXd at_centre = (VectorXd(3) << 0.3, 0.2, 0.4318 - 0.4162).finished();
   const Eigen::Vector3d centre =

@@ -55,7 +55,7 @@ struct InFile {
   Recording memory;
 };
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentificationGiveTheSameResult) {
+TEST(InMemoryRecordings, GiveTheSameIdentificationAsFiles) {
   const Laboratory lab;
   const InFile train(lab.recording(1)), test(lab.recording(2));
   const Identification files = identify(lab.bare, {train.path}, {test.path});
@@ -71,7 +71,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForIdentificationGiveTheSameResult) {
   }
 }
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayloadGiveTheSameResult) {
+TEST(InMemoryRecordings, GiveTheSameEvaluationAndPayloadAsFiles) {
   const Laboratory lab;
   const InFile loaded(lab.recording(
       3, {parse_hidden_effect("payload:" + lab.arm.frames().back().name + ":mass=0.4")}));
@@ -85,7 +85,7 @@ TEST(RecordingsInMemoryAreAsGoodAsFiles, ForEvaluationAndPayloadGiveTheSameResul
   EXPECT_EQ(memory.links.front().mass, files.links.front().mass);
 }
 
-TEST(RecordingsInMemoryAreAsGoodAsFiles, ForDiagnosisGiveTheSameResult) {
+TEST(InMemoryRecordings, GiveTheSameDiagnosisAsFiles) {
   const Laboratory lab;
   const std::vector<HiddenEffect> hidden = {
       parse_hidden_effect("quadratic_drag:yaw:coefficient=0.5")};
@@ -119,7 +119,7 @@ TEST(Recordings, HaveUniqueNames) {
   EXPECT_THROW(Recordings{Recording()}, InvalidInput);
 }
 
-TEST(Reading, EndsWhenItIsInterrupted) {
+TEST(Reading, AnInterruptionEndsAnIdentificationWithAnException) {
   const Laboratory lab;
   IdentificationOptions options;
   options.preprocessing.interrupted = [] { return true; };

@@ -37,7 +37,7 @@ TEST(JointTorques, AreRigidBodiesPlusEffectsInClosedForm) {
 }
 
 // Dahl friction along a way that turns round, whatever the rows: z is a function of the path.
-TEST(JointTorques, DependOnThePathOfEffectsWithMemory) {
+TEST(JointTorques, HysteresisDependsOnThePathAndNotOnTheRows) {
   ModelDescription d = planar();
   const double level = 0.4, distance = 0.02;
   d.effects = {term("presliding_hysteresis", {{"level", level}, {"distance", distance}})};

@@ -109,7 +109,7 @@ Model* SlippedEncoder::truth_ = nullptr;
 Model* SlippedEncoder::before_ = nullptr;
 Model* SlippedEncoder::after_ = nullptr;
 
-TEST_F(SlippedEncoder, IsPartOfTheModel) {
+TEST_F(SlippedEncoder, TheModelHasTheSlipAsAPositionOffset) {
   EXPECT_NEAR(after_->coordinates()[1].recorded.position_offset, kSlip, 0.003);
 }
 
@@ -129,7 +129,7 @@ TEST_F(SlippedEncoder, IsCorrectedByAControllerOnTheModel) {
 }
 
 // Gravity where the arm is, by what the encoders show: on a real arm this is the torque that holds.
-TEST_F(SlippedEncoder, GravityIsThatOfTheTruePlace) {
+TEST_F(SlippedEncoder, CorrectedPositionsReduceTheGravityErrorTenfold) {
   GravityCompensation real(*truth_), hold(*after_);
   const JointSensors known(*after_);
   VectorXd q = Eigen::Vector3d(0.4, 0.5, 0.15);

@@ -226,7 +226,7 @@ TEST(CCodeIsShort, DerivativesCostLessThanEightTimesTheTorques) {
 }
 
 // As often as C needs the name.
-TEST(CCodeOfNames, GrowsOnlyByTheLengthOfTheName) {
+TEST(CCodeOfNames, ItsLengthGrowsLinearlyWithTheArmsName) {
   ModelDescription d = read_model("planar-2r").description();
   const std::string short_code = to_c_code(Model(d));
   const auto uses = [](const std::string& code, const std::string& name) {
@@ -257,7 +257,7 @@ TEST(CCodeOfNames, HasNoTrigraphsAndNoControlCharacters) {
 }
 
 // Joints at quarter turns of one angle share its sine and cosine; right angles leave no product.
-TEST(CCodeIsShort, IfAnglesAndConstantsRepeat) {
+TEST(CCodeIsShort, RepeatedAnglesShareTheirSinesAndCosines) {
   const std::string code = to_c_code(plausible_model(read_model("psm-wrist"), 3).arm);
   const size_t begin = code.find("_inverse_dynamics(");
   const std::string body = code.substr(begin, code.find("\n}", begin) - begin);

@@ -32,19 +32,19 @@ TEST(Expression, TheLongestMatchingNameIsRead) {
   EXPECT_EQ(evaluate("E*1E3+e3*1e3", constants), 16000.0);
 }
 
-TEST(Expression, MistakesAreQuotedWithTheirReason) {
+TEST(Expression, InvalidExpressionsAreQuotedWithTheReason) {
   EXPECT_NE(reason("2*(3").find("'2*(3' ("), std::string::npos);
   EXPECT_NE(reason("").find("''"), std::string::npos);
   EXPECT_NE(reason("1, 2").find("several values"), std::string::npos);
   EXPECT_NE(reason("betta/2", {{"beta", 1.0}}).find("did you mean 'beta'?"), std::string::npos);
 }
 
-TEST(Expression, WhatIsNotFiniteIsRejected) {
+TEST(Expression, NonFiniteValuesAreRejected) {
   for (const char* expression : {"1/0", "sqrt(-1)", "nan", "inf", "1e999"})
     EXPECT_NE(reason(expression), "") << expression;
 }
 
-TEST(Expression, ConstantsMustNotHideFunctions) {
+TEST(Expression, ReservedAndInvalidConstantNamesAreRefused) {
   for (const char* name : {"pi", "sin", "2x", "a-b", ""})
     EXPECT_THROW(require_constant_name(name), InvalidInput) << name;
   EXPECT_NO_THROW(require_constant_name("l_2"));

@@ -55,7 +55,7 @@ std::string binary_stl(const std::vector<std::array<float, 9>>& triangles, std::
 
 const std::vector<std::array<float, 9>> kTwo = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {1, 0, 0, 0, 1, 0, 1, 1, 0.5F}};
 
-TEST_F(MeshFile, CornersThatCoincideAreOnePoint) {
+TEST_F(MeshFile, CoincidentCornersAreMergedIntoOnePoint) {
   const Mesh mesh = read("two.STL", binary_stl(kTwo, 2));
   ASSERT_EQ(mesh.points.size(), 4U);
   EXPECT_EQ(mesh.points[3], Eigen::Vector3d(1, 1, 0.5));
@@ -67,7 +67,7 @@ TEST_F(MeshFile, CornersThatCoincideAreOnePoint) {
   EXPECT_EQ(text.triangles, mesh.triangles);
 }
 
-TEST_F(MeshFile, FacesOfAnObjCountFromEitherEnd) {
+TEST_F(MeshFile, PositiveAndNegativeFaceIndicesOfAnObjAreRead) {
   const std::string points = "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n";
   EXPECT_EQ(read("a.obj", points + "f 1 2 3\n").triangles, (Corners{{0, 1, 2}}));
   EXPECT_EQ(read("b.obj", points + "f 1//1 2//1 3//1 4//1\n").triangles, (Corners{{0, 1, 2}, {0, 2, 3}}));

@@ -117,7 +117,7 @@ TEST_P(Mjcf, HasTheFramesOfTheArm) {
 }
 
 // A rotor that turns with two coordinates at once has no joint of the arm: it gets one.
-TEST(MjcfOfARotor, AlongTwoCoordinatesHasTheTorquesOfTheArm) {
+TEST(MjcfOfARotor, DrivenByTwoCoordinatesHasTheTorquesOfTheArm) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
   EffectTerm rotor;
   rotor.effect = "rotor_inertia";
@@ -137,7 +137,7 @@ TEST(MjcfOfARotor, AlongTwoCoordinatesHasTheTorquesOfTheArm) {
 }
 
 // The motors hold gravity for a quarter of a second: nothing blows up, couplings hold.
-TEST_P(Mjcf, RunsInMujoco) {
+TEST_P(Mjcf, IsHeldAgainstGravityInMujoco) {
   const Model arm = plausible_model(read_model(GetParam()), 3).arm;
   Exported exported(arm);
   mjModel* m = exported.model.get();
@@ -220,7 +220,7 @@ TEST(StrangersMjcfInMujoco, HasTheSameTorquesAndFrames) {
   }
 }
 
-TEST(MjcfRefuses, ImpossibleBodies) {
+TEST(MjcfExport, OfImpossibleBodiesIsRefused) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
   for (Frame& frame : d.frames) {
     if (frame.body) (*frame.body->phi)[9] *= -1.0;

@@ -78,7 +78,7 @@ TEST(ModelFile, OverriddenConstantsChangeDependentFormulas) {
   EXPECT_EQ(again.frames()[0].dh->theta, 0.4);
 }
 
-TEST(ModelFile, OverridingAnUnknownConstantIsAMistake) {
+TEST(ModelFile, OverridingAnUnknownConstantIsRefused) {
   ModelFileOptions options;
   options.constants["hlaf"] = 1.0;
   EXPECT_EQ(
@@ -86,7 +86,7 @@ TEST(ModelFile, OverridingAnUnknownConstantIsAMistake) {
       "arm.yaml:1:1: found no constant 'hlaf' (did you mean 'half'?), expected one of: half, l.");
 }
 
-TEST(ModelFile, AWrittenOverrideKeepsItsValue) {
+TEST(ModelFile, AnOverriddenConstantIsKeptInTheWrittenFile) {
   ModelFileOptions options;
   options.constants["half"] = 0.3;
   const Model arm = read_yaml(to_yaml(read_yaml(kArm, "arm.yaml", options)), "again.yaml");
@@ -106,7 +106,7 @@ void PrintTo(const Mistake& mistake, std::ostream* out) {
 
 class EveryMistake : public testing::TestWithParam<Mistake> {};
 
-TEST_P(EveryMistake, NamesPlaceFindingAndExpectation) {
+TEST_P(EveryMistake, IsReportedWithItsPlaceTheFoundAndTheExpectedText) {
   const Mistake& m = GetParam();
   const std::string error = error_of(arm_with(m.old_text, m.new_text));
   EXPECT_EQ(error.substr(0, m.message.size()), m.message);
@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"coefficient: 0.3", "frame: tol",
                 "arm.yaml:11:60: found the unknown frame 'tol' (did you mean 'tool'?)"}));
 
-TEST(ModelFile, AMissingFileIsNamedAndABareNameGetsTheNearest) {
+TEST(ModelFile, AMissingFileOrNameIsRefusedWithTheMostSimilarName) {
   const auto error_of_name = [](const std::string& name) -> std::string {
     return refusal([&] { read_model(name); });
   };
@@ -253,7 +253,7 @@ TEST(ModelFile, AMissingFileIsNamedAndABareNameGetsTheNearest) {
   EXPECT_EQ(error_of_name("/tmp").find("/tmp: found a folder"), 0U) << error_of_name("/tmp");
 }
 
-TEST(ModelFile, FilesAreWrittenWholeAndReadAgain) {
+TEST(ModelFile, ASavedFileIsReadAgainAndAMissingFolderIsRefused) {
   const std::string path =
       (std::filesystem::temp_directory_path() / "veridyn_model_file_test.yaml").string();
   save_model(read_yaml(kArm, "arm.yaml"), path);

@@ -61,7 +61,7 @@ TEST_F(AnOutputFile, LeavesNothingBehindUnlessCommitted) {
   EXPECT_EQ(files(), 0);
 }
 
-TEST_F(AnOutputFile, OfAKilledProgramDoesNotExist) {
+TEST_F(AnOutputFile, OfAKilledProgramIsNotCreated) {
   if (::open(folder_.c_str(), O_TMPFILE | O_WRONLY, 0600) < 0) GTEST_SKIP() << "this file system has no files without a name";
   const pid_t child = ::fork();
   if (child == 0) {
@@ -89,7 +89,7 @@ TEST_F(AnOutputFile, KeepsTheOldContentUntilItIsCommitted) {
   EXPECT_EQ(files(), 1);
 }
 
-TEST_F(AnOutputFile, KeepsBytesAsTheyAre) {
+TEST_F(AnOutputFile, KeepsEveryByteUnchanged) {
   const std::string bytes("a\r\n\0\xff z", 7);
   write_file(path(), bytes);
   EXPECT_EQ(content(), bytes);

@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
                     RemoteCentre{"psm-wrist", "roll", {0, 0.516, 0}}),
     [](const auto& test) { return std::to_string(test.index); });
 
-TEST_P(PatientSideManipulator, ShaftPassesThroughOneFixedPoint) {
+TEST_P(PatientSideManipulator, ShaftPassesThroughTheRemoteCentreInEveryPosture) {
   const Model psm = arm();
   Random random(61);
   for (int trial = 0; trial < 200; ++trial) {
@@ -137,7 +137,7 @@ TEST_P(PatientSideManipulator, HorizontalBarKeepsItsOrientationInTheYawFrame) {
 }
 
 // Errata: the insertion that puts the tip on the remote centre is 0.4318 m - 0.4162 m.
-TEST(Psm3Dof, TipMeetsTheRemoteCentreAtTheInsertionOfTheErrata) {
+TEST(Psm3Dof, TipIsAtTheRemoteCentreAtTheInsertionOfTheErrata) {
   const Model psm = read_model("psm-3dof");
   const Eigen::Matrix4d T =
       frame_pose(psm, Eigen::Vector3d(0.4, -0.3, 0.0156), psm.find_frame("tool")).matrix();
@@ -160,7 +160,7 @@ TEST(Psm3Dof, CounterweightSlidesAgainstTheInsertion) {
 }
 
 // The priors of rods and blocks: the arm's own kinematics, and bodies that could exist.
-TEST(Rods, HaveTheKinematicsOfTheirArm) {
+TEST(Rods, HaveTheKinematicsOfTheirArmAndConsistentBodies) {
   Random random(65);
   for (const char* name : {"psm-3dof", "mtm"}) {
     const Model arm = read_model(name);

@@ -145,7 +145,7 @@ void expect_same_poses(const Model& a, const Model& b) {
   }
 }
 
-TEST_P(OnEveryRobot, YamlKeepsEverything) {
+TEST_P(OnEveryRobot, YamlRoundTripKeepsDescriptionAndPoses) {
   const Model before = arm();
   const Model after = read_yaml(to_yaml(before), "copy.yaml");
   expect_same_description(after, before);
@@ -154,7 +154,7 @@ TEST_P(OnEveryRobot, YamlKeepsEverything) {
 
 // Calibration and diagnosis change numbers of a model that came from a file: what counts is the
 // model, not the row or the arithmetic that it came from.
-TEST(RobotFiles, KeepChangedValues) {
+TEST(RobotFiles, YamlRoundTripKeepsChangedFrames) {
   for (const std::string& name : robot_names()) {
     ModelDescription d = read_model(name).description();
     Random random(32);
@@ -178,7 +178,7 @@ TEST(RobotFiles, AreWrittenIdenticallyEachTime) {
 
 // A URDF may call a joint what YAML takes for nothing, a truth value or a number: the file is read
 // back with the same names, and other readers of YAML find texts as well.
-TEST(RobotFiles, QuoteNamesThatYamlWouldMisread) {
+TEST(RobotFiles, NamesThatYamlWouldMisreadAreQuoted) {
   for (const std::string& name : {std::string("null"), std::string("Yes"), std::string("1e5"),
                                   std::string("0x10"), std::string("1_000"), std::string("~"),
                                   std::string("a: b # c"), std::string(300, 'n')}) {
@@ -281,7 +281,7 @@ TEST_P(OnEveryRobot, UrdfKeepsInertias) {
   }
 }
 
-TEST(JointPlacement, RotationsComeBackFromRollPitchAndYawEverywhere) {
+TEST(JointPlacement, RollPitchYawRoundTripKeepsTheRotationEvenAtThePole) {
   Random random(41);
   for (int trial = 0; trial < 300; ++trial) {
     // Every third at or near the pole, where roll and yaw turn about one line.

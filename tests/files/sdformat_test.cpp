@@ -92,7 +92,7 @@ std::string written(const std::string& content) {
   return path;
 }
 
-TEST(Sdformat, AgreesOnAForeignFile) {
+TEST(Sdformat, AForeignFileIsReadAsByLibsdformat) {
   const std::string path = written(kStrangerSdf);
   sdf::Root root;
   const sdf::Errors errors = root.Load(path);

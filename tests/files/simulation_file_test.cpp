@@ -78,7 +78,7 @@ bool contains_text(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(SimulationFile, MjcfGetsTheValuesAndKeepsTheRest) {
+TEST_F(SimulationFile, OnlyChangedValuesOfAnMjcfAreReplaced) {
   std::string content = kStrangerMjcf;
   content.insert(content.find("  <equality>"), "  <!-- a camera for the film -->\n  <sensor><jointpos joint=\"yaw\"/></sensor>\n");
   content.insert(content.find("stiffness=\"4\""), "springlength=\"0.1\" ");
@@ -99,7 +99,7 @@ TEST_F(SimulationFile, MjcfGetsTheValuesAndKeepsTheRest) {
 
 // An equality called as a joint is, and a resting model with a link called as one of the arm's, stand before
 // the arm: neither is taken for it.
-TEST_F(SimulationFile, AmbiguousNamesReferToTheArm) {
+TEST_F(SimulationFile, AmbiguousNamesReferToElementsOfTheArm) {
   std::string content = kStrangerMjcf;
   const std::string equality = "<equality><joint joint1";
   content.erase(content.find(equality), content.find("</equality>") + 11 - content.find(equality));
@@ -134,7 +134,7 @@ TEST_F(SimulationFile, ALoadOnASiteIsAdded) {
 }
 
 // Without a change nothing is written: the file's own numbers stay.
-TEST_F(SimulationFile, TheFilesOwnModelChangesNothing) {
+TEST_F(SimulationFile, AnUnchangedModelChangesNoValue) {
   const std::string mjcf = write("arm.xml", kStrangerMjcf);
   const UpdatedFile a = updated_mjcf(read_model(mjcf), mjcf);
   EXPECT_TRUE(a.changed.empty()) << a.changed.front();
@@ -144,7 +144,7 @@ TEST_F(SimulationFile, TheFilesOwnModelChangesNothing) {
   EXPECT_TRUE(b.changed.empty()) << b.changed.front();
 }
 
-TEST_F(SimulationFile, SdfGetsTheValuesAndKeepsTheRest) {
+TEST_F(SimulationFile, OnlyChangedValuesOfAnSdfAreReplaced) {
   const std::string path = write("arm.sdf", kStrangerSdf);
   const Model after = extended(read_model(path), "upper");
   const UpdatedFile updated = updated_sdf(after, path);
@@ -182,7 +182,7 @@ TEST_F(SimulationFile, UnrepresentedEffectsAreReported) {
 }
 
 // A tendon without a length of its own is relaxed where its joints' springs are.
-TEST_F(SimulationFile, AReferenceThatATendonUsesStays) {
+TEST_F(SimulationFile, ASpringReferenceSharedWithATendonIsKeptAndReported) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   const UpdatedFile updated = updated_mjcf(extended(read_model(path), "fore"), path);
   ASSERT_EQ(updated.left_out.size(), 1U);
@@ -219,7 +219,7 @@ TEST_F(SimulationFile, BodiesOfGeomsKeepTheirInertia) {
   expect_same_torques(Model(d), read_model(write("new.xml", updated.xml)));
 }
 
-TEST_F(SimulationFile, AJointWithoutANameIsNamedAndStays) {
+TEST_F(SimulationFile, AnUnnamedJointIsKeptAndReported) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   for (EffectTerm& term : d.effects) term.values["coefficient"] = 0.7;
@@ -229,7 +229,7 @@ TEST_F(SimulationFile, AJointWithoutANameIsNamedAndStays) {
 }
 
 // A refined length or another base: the inertials belong to places that the file does not have.
-TEST_F(SimulationFile, DifferingFramesAreReported) {
+TEST_F(SimulationFile, DifferencesOfGravityAndFramesAreReported) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   d.gravity = {0.1, 0, -9.8};

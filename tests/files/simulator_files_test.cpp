@@ -134,7 +134,7 @@ TEST_P(SimulatorFiles, MjcfIsReadBackAsTheArm) {
   }
 }
 
-TEST_P(SimulatorFiles, ConstantForcesComeBackFromMjcf) {
+TEST_P(SimulatorFiles, ConstantForcesSurviveAnMjcfRoundTrip) {
   ModelDescription d = plausible_model(read_model(GetParam()), 3).arm.description();
   d.effects.clear();
   for (std::size_t i = 0; i < d.coordinates.size(); ++i) {
@@ -169,7 +169,7 @@ const EffectTerm* term_of(const Model& arm, const std::string& effect, int coord
 }
 
 // Simulators refuse negative damping, as our own readers do; an unconstrained fit can find it.
-TEST(ExportedEffects, BelowZeroAreLeftOutAndNamed) {
+TEST(ExportedEffects, NegativeDampingIsLeftOutAndReported) {
   ModelDescription d = read_model("planar-2r").description();
   for (EffectTerm& term : d.effects) {
     if (term.axis.coefficients[1] == 1.0 && term.effect == "viscous_friction") term.values["coefficient"] = -0.4;
@@ -183,7 +183,7 @@ TEST(ExportedEffects, BelowZeroAreLeftOutAndNamed) {
 }
 
 // A link called as a joint is gets another name in SDFormat, which no other link has.
-TEST(ExportedNames, OfLinksAreUniqueInSdf) {
+TEST(ExportedNames, OfSdfLinksAreUnique) {
   ModelDescription d = read_model("planar-2r").description();
   d.frames[0].name = "shoulder";
   d.frames[1].name = "shoulder_link";
@@ -242,7 +242,7 @@ TEST(MjcfActuators, SetTheEffortLimitOfTheirJoint) {
   EXPECT_EQ(limit(R"(<general joint="j" ctrlrange="-2 3" biastype="affine" biasprm="0 -100 0"/>)"), kInfinity);
 }
 
-TEST(MjcfGeoms, ThoseOfTheCompilersGroupsHaveMass) {
+TEST(MjcfGeoms, OnlyGeomsOfTheInertiaGroupsHaveMass) {
   const TemporaryFolder folder;
   const auto mass = [&](const std::string& compiler) {
     const std::string arm = "<worldbody><body name=\"b\"><joint name=\"j\" type=\"hinge\"/><geom size=\"0.1\" mass=\"1\"/>"
@@ -255,7 +255,7 @@ TEST(MjcfGeoms, ThoseOfTheCompilersGroupsHaveMass) {
   EXPECT_EQ(mass(R"(<compiler inertiagrouprange="3 5"/>)"), 4.0);
 }
 
-TEST(StrangersMjcf, FollowerOfAReferenceIsPlaced) {
+TEST(StrangersMjcf, AFollowerIsPlacedRelativeToItsReference) {
   const TemporaryFolder folder;
   const Model arm = read_model(folder.write("stranger.xml", kStrangerMjcf));
   const VectorXd zero = VectorXd::Zero(4);

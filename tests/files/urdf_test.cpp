@@ -130,7 +130,7 @@ TEST_F(UrdfFile, InertialsAreTurnedIntoTheLinkFrame) {
 }
 
 // A file of the kinematics alone: what moves has a body, whose values are unknown. One inertial makes the others bare frames.
-TEST_F(UrdfFile, WithoutAnyInertialLinksThatMoveHaveBodies) {
+TEST_F(UrdfFile, WithoutAnyInertialEveryMovingLinkHasABodyWithoutValues) {
   std::string content = kGripper;
   const std::size_t begin = content.find("<inertial>"), end = content.find("</inertial>") + std::string("</inertial>").size();
   content.erase(begin, end - begin);
@@ -186,7 +186,7 @@ TEST_F(UrdfFile, DampingAndFrictionAreWrittenSeparately) {
 }
 
 // A joint that follows another has friction of its own speed; one that does not move has none.
-TEST_F(UrdfFile, DampingActsOnTheSpeedOfItsJoint) {
+TEST_F(UrdfFile, DampingOfAMimicJointActsOnItsOwnSpeed) {
   std::string content = kGripper;
   const std::string mimic = "<mimic joint=\"alpha\" multiplier=\"-0.5\" offset=\"0.2\"/>", damping = "<dynamics damping=\"3\"/>";
   content.insert(content.find(mimic), damping);
@@ -231,7 +231,7 @@ TEST_F(UrdfFile, SeveralCoordinatesInOneFrameBecomeAChainOfMimicJoints) {
             std::string::npos);
 }
 
-TEST_F(UrdfFile, IsAlsoARobotByItsPath) {
+TEST_F(UrdfFile, IsReadAsAModelByItsPath) {
   write_file(path_, kGripper);
   EXPECT_EQ(read_model(path_).name(), "gripper");
   ModelFileOptions options;
@@ -239,7 +239,7 @@ TEST_F(UrdfFile, IsAlsoARobotByItsPath) {
   EXPECT_THROW(read_model(path_, options), InvalidInput);
 }
 
-TEST_F(UrdfFile, MistakesNamePlaceFindingAndExpectation) {
+TEST_F(UrdfFile, InvalidElementsAreRefusedWithLineAndColumn) {
   EXPECT_EQ(error_of("type=\"continuous\"", "type=\"floating\"")
                 .find(":14:3: found joint 'zeta' with a floating"),
             0U);

@@ -49,14 +49,14 @@ std::string changed(std::string bytes, std::mt19937& random) {
   return bytes;
 }
 
-TEST_P(EveryReader, ReadsOrRefusesEarlierCrashes) {
+TEST_P(EveryReader, ReadsOrRefusesFilesThatCrashedItBefore) {
   const fs::path folder = VERIDYN_SOURCE_DIR "/tests/fuzz/corpus/" + GetParam().name;
   if (!fs::exists(folder)) return;  // nothing has so far
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     EXPECT_EQ(GetParam().probe(bytes_of_file(entry.path().string())), "") << entry.path();
 }
 
-TEST_P(EveryReader, ReadsOrRefusesMutatedSeeds) {
+TEST_P(EveryReader, ReadsOrRefusesRandomlyMutatedFiles) {
   const std::vector<std::string> seeds = GetParam().seeds();
   ASSERT_FALSE(seeds.empty());
   for (const std::string& seed : seeds) EXPECT_EQ(GetParam().probe(seed), "");

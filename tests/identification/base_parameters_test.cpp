@@ -66,14 +66,14 @@ std::string test_name(const testing::TestParamInfo<std::string>& info) {
 INSTANTIATE_TEST_SUITE_P(Robots, OfEveryRobot, testing::ValuesIn(robots()), test_name);
 
 // The list above is complete.
-TEST(BaseParametersOf, EveryRobotOfTheFolderAreTested) {
+TEST(BaseParametersOf, EveryRobotFileAreTested) {
   const std::vector<std::string> here = robots();
   for (const std::string& name : robot_names())
     EXPECT_NE(std::find(here.begin(), here.end(), name), here.end()) << name;
 }
 
 // Y phi = Y(:, independent) K phi for every phi, at states that the reduction has not seen.
-TEST_P(OfEveryRobot, TheyReproduceAllTorques) {
+TEST_P(OfEveryRobot, BaseParametersReproduceAllTorques) {
   const MatrixXd Y = random_regressor(arm_, 60, 5);
   const MatrixXd reproduced = independent_columns(Y, base_) * base_.K;
   for (Eigen::Index j = 0; j < Y.cols(); ++j) {
@@ -83,13 +83,13 @@ TEST_P(OfEveryRobot, TheyReproduceAllTorques) {
   }
 }
 
-TEST_P(OfEveryRobot, TheirOwnColumnsAreTheIdentity) {
+TEST_P(OfEveryRobot, IndependentColumnsOfKAreTheIdentity) {
   ASSERT_EQ(base_.K.rows(), base_.size());
   EXPECT_TRUE(near(independent_columns(base_.K, base_),
                    MatrixXd::Identity(base_.size(), base_.size()), 0.0));
 }
 
-TEST_P(OfEveryRobot, TheyHaveTheRankAndTheSpanOfTheSingularValueDecomposition) {
+TEST_P(OfEveryRobot, RankAndSpanAreThoseOfTheSingularValueDecomposition) {
   const VectorXd scale = column_scale(arm_);
   const Eigen::BDCSVD<MatrixXd> svd(factor_of(arm_).R() * scale.asDiagonal(), Eigen::ComputeFullV);
   ASSERT_EQ((svd.singularValues().array() > 1e-8 * svd.singularValues()[0]).count(), base_.size());
@@ -100,7 +100,7 @@ TEST_P(OfEveryRobot, TheyHaveTheRankAndTheSpanOfTheSingularValueDecomposition) {
 }
 
 // The tolerance of 1e-8 is not a matter of taste: nothing lies anywhere near it.
-TEST_P(OfEveryRobot, TheSingularValuesHaveALargeGapAtTheRank) {
+TEST_P(OfEveryRobot, SingularValuesHaveALargeGapAtTheRank) {
   ASSERT_LT(base_.size(), base_.singular_values.size());
   EXPECT_GT(base_.rank_gap, 1e6);
   EXPECT_GT(base_.singular_values[base_.size() - 1], 1e-5 * base_.singular_values[0]);
@@ -114,7 +114,7 @@ TEST_P(OfEveryRobot, TheSingularValuesHaveALargeGapAtTheRank) {
 
 // kAlone: the torques determine the parameter itself, e_j lies in the row space of K. kNot: they do
 // not depend on it.
-TEST_P(OfEveryRobot, TheClassesMatchTheNullSpace) {
+TEST_P(OfEveryRobot, IdentifiabilityClassesMatchTheNullSpace) {
   const MatrixXd Y = random_regressor(arm_, 60, 6);
   const MatrixXd P = row_space(base_.K, column_scale(arm_));
   ASSERT_EQ(static_cast<Eigen::Index>(base_.classes.size()), Y.cols());
@@ -132,7 +132,7 @@ TEST_P(OfEveryRobot, TheClassesMatchTheNullSpace) {
 
 // Effects are named themselves where they can be, and every expression begins with the parameter it
 // is named after.
-TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
+TEST_P(OfEveryRobot, BaseParametersAreNamedAfterTheirIndependentParameter) {
   const std::vector<std::string> names = parameter_names(standard_parameters(arm_));
   ASSERT_EQ(base_.names.size(), static_cast<size_t>(base_.size()));
   for (size_t i = 0; i < base_.names.size(); ++i) {
@@ -146,7 +146,7 @@ TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
 
 // Bodies and friction as the files declare them. psm and ur10e: counted by numpy's SVD of the same
 // regressors in the prototypes; planar-2r: 6 + 4 friction, closed form below.
-TEST(BaseParametersOf, TheRobotsHaveThePublishedNumber) {
+TEST(BaseParametersOf, KnownRobotsHaveThePublishedNumber) {
   const std::map<std::string, int> known{{"psm-3dof", 25},  {"psm-3dof-printed", 28},
                                          {"psm-wrist", 49}, {"ur10e", 58},
                                          {"kuka-lwr4", 43},  // Gaz et al., ICRA 2014
@@ -160,7 +160,7 @@ TEST(BaseParametersOf, TheRobotsHaveThePublishedNumber) {
 // l^2 m:
 //   about joint 2:  Lzz2 + 2 l2 hx2 + l2^2 m2,              hx2 + l2 m2,        hy2
 //   about joint 1:  Lzz1 + 2 l1 hx1 + l1^2 (m1 + m2),       hx1 + l1 (m1 + m2), hy1
-TEST(BaseParametersOf, ThePlanar2RAreThoseOfTheTextbook) {
+TEST(BaseParametersOf, AVerticalPlanar2RAreThoseOfTheTextbook) {
   const Model arm = robot("planar-2r");
   const BaseParameters base = base_parameters(arm);
   const double l1 = arm.description().constants.at("l1");
@@ -188,7 +188,7 @@ TEST(BaseParametersOf, ThePlanar2RAreThoseOfTheTextbook) {
 }
 
 // A preference decides which columns stand for the others and not what is determined.
-TEST(BaseParametersOf, OneArmSpanTheSameSpaceForAnyPreference) {
+TEST(BaseParametersOf, OneArmSpanTheSameSpaceForAnyColumnOrder) {
   const Model arm = robot("elbow-6r");
   const SquareRootInformation factor = factor_of(arm);
   std::vector<int> preferred = preferred_columns(standard_parameters(arm));
@@ -203,7 +203,7 @@ TEST(BaseParametersOf, OneArmSpanTheSameSpaceForAnyPreference) {
   for (const std::string& name : a.names) EXPECT_NE(name.rfind("m_", 0), 0U) << name;
 }
 
-TEST(BaseParametersOf, AFactorWithoutDependenciesAreItsColumns) {
+TEST(BaseParametersOf, IndependentColumnsAreAllColumns) {
   SquareRootInformation f(std::vector<std::string>{"a", "b"});
   f.absorb((MatrixXd(3, 2) << 1, 2, 3, 4, 5, 7).finished(), Eigen::Vector3d::Zero());
   const BaseParameters base = base_parameters(f, {0, 1});
@@ -215,7 +215,7 @@ TEST(BaseParametersOf, AFactorWithoutDependenciesAreItsColumns) {
 }
 
 // Three columns, the third 2 a - 0.5 b in other units: K says so in words.
-TEST(BaseParametersOf, AFactorExpressTheDependentColumns) {
+TEST(BaseParametersOf, DependentColumnsAreExpressedByTheOthers) {
   Random random(4);
   MatrixXd A(30, 4);
   A.col(0) = random.vector(30, -1, 1);
@@ -231,7 +231,7 @@ TEST(BaseParametersOf, AFactorExpressTheDependentColumns) {
   EXPECT_EQ(base.classes[3], Identifiability::kNot);
 }
 
-TEST(BaseParametersOf, ZeroColumnsAreEmpty) {
+TEST(BaseParametersOf, ZeroColumnsAreNone) {
   EXPECT_EQ(base_parameters(SquareRootInformation(std::vector<std::string>{}), {}).size(), 0);
   SquareRootInformation zero(std::vector<std::string>{"a", "b"});
   zero.absorb(MatrixXd::Zero(5, 2), VectorXd::Ones(5));

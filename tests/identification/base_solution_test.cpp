@@ -96,7 +96,7 @@ Stacked stacked(const Data& d, const VectorXd& weights, int without = -1) {
   return out;
 }
 
-TEST(TheBaseSolution, IsThatOfTheStackedWeightedRows) {
+TEST(TheBaseSolution, EqualsLeastSquaresOfTheStackedWeightedRows) {
   const Data d = data(5, 0.3, 1);
   for (const Eigen::Vector2d& weights : {Eigen::Vector2d(1, 1), Eigen::Vector2d(0.2, 7)}) {
     const BaseSolution s = solve_base(d.recordings, weights, base(), names());
@@ -141,7 +141,7 @@ TEST(TheBaseSolution, HasTheStandardDeviationOfTheJackknife) {
 
 // With independent noise both standard deviations mean the same: over many draws their squares have
 // one mean, and the solutions scatter as they say.
-TEST(TheBaseSolution, HasStandardDeviationsThatCoverTheErrors) {
+TEST(TheBaseSolution, StandardDeviationsCoverTheErrorsOverSeeds) {
   const int draws = 200;
   Eigen::Vector3d jackknife2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d white2 = Eigen::Vector3d::Zero();
@@ -169,7 +169,7 @@ TEST(TheBaseSolution, HasNoStandardDeviationFromTwoBlocks) {
   EXPECT_TRUE(s.beta.allFinite());
 }
 
-TEST(TheWeightedTotal, IsTheFactorOfAllRows) {
+TEST(TheWeightedTotal, HasTheSumOfSquaresOfAllWeightedRows) {
   const Data d = data(4, 0.3, 4);
   const Eigen::Vector2d weights(3.0, 0.25);
   const SquareRootInformation total = weighted_total(joint_totals(d.recordings), weights, names());
@@ -185,7 +185,7 @@ TEST(TheWeightedTotal, IsTheFactorOfAllRows) {
   }
 }
 
-TEST(RangeWeights, AreOneOverTheRangeOverAllRecordings) {
+TEST(RangeWeights, AreTheInverseTorqueRangeOverAllRecordings) {
   Data d = data(3, 0.3, 6);
   d.recordings[0].joints[0] = {-1.0, 2.0, 0, 0, 0};
   d.recordings[1].joints[0] = {0.0, 4.0, 0, 0, 0};
@@ -205,7 +205,7 @@ VectorXd deviations_turned_round(const Data& d, const VectorXd& x) {
   return (rows.array() / sum.array()).sqrt();
 }
 
-TEST(ResidualWeights, AreThoseOfTheFitWithTheFirstWeights) {
+TEST(ResidualWeights, AreTheInverseDeviationsOfTheFitWithTheFirstWeights) {
   const Data d = data(3, 0.3, 7, 0.01);
   for (const Eigen::Vector2d& start : {Eigen::Vector2d(1, 1), Eigen::Vector2d(1, 1000)}) {
     const VectorXd direct = deviations_turned_round(d, stacked(d, start).solution());
@@ -215,7 +215,7 @@ TEST(ResidualWeights, AreThoseOfTheFitWithTheFirstWeights) {
 
 // From the range of the torques; from equal weights the small joint's residual is that of a fit which
 // ignores it.
-TEST(ResidualWeights, OfAJointWithSmallTorquesAreThoseOfItsNoise) {
+TEST(ResidualWeights, OfAJointWithSmallTorquesFollowItsNoise) {
   const Data d = data(3, 0.01, 8, 1e-3);
   const VectorXd w = residual_weights(joint_totals(d.recordings), Eigen::Vector2d(1, 1000), base(), names());
   EXPECT_NEAR(w[1] / w[0], 1e3, 0.1 * 1e3);
@@ -223,7 +223,7 @@ TEST(ResidualWeights, OfAJointWithSmallTorquesAreThoseOfItsNoise) {
 
 // An exact fit is known to the rounding of the torques' range, however many rows agree; a joint without rows has
 // no weight.
-TEST(ResidualWeights, OfAnExactFitAreOneOverTheRounding) {
+TEST(ResidualWeights, OfAnExactFitAreLimitedByTheRoundingError) {
   const Eigen::Vector3d start(1e-3, 1e-4, 1.0);  // ranges far beyond the torques: their rounding is above the fit's
   const Eigen::Vector3d expected(start[0], start[1], 0.0);
   for (const int blocks : {1, 6}) {

@@ -79,14 +79,14 @@ TEST(ACompressedRecording, HoldsTheSumOfSquaresOfItsRows) {
 }
 
 // At the cut-off of 5 Hz one sample in ten is kept of 200 Hz; 1.2 s and 0.5 s are dropped.
-TEST(ACompressedRecording, CountsItsRows) {
+TEST(ACompressedRecording, CountsTheRowsAfterDecimationAndDroppedEnds) {
   const Model arm = robot("scara");
   const CompressedRecording c = compress(arm, synthetic_recording(arm, lasting(20.0)), {});
   EXPECT_NEAR(c.rows, 4 * (20.0 - 1.7) * 20.0, 4 * 2.0);
   EXPECT_EQ(c.facts.samples, 4000);
 }
 
-TEST(ACompressedRecording, HasEightToSixteenBlocksHoweverLong) {
+TEST(ACompressedRecording, HasEightToSixteenBlocksForAnyLength) {
   const Model arm = robot("planar-2r");
   for (const double seconds : {12.0, 17.5, 18.0, 40.0, 150.0}) {
     const CompressedRecording c = compress(arm, synthetic_recording(arm, lasting(seconds)), {});
@@ -114,7 +114,7 @@ TEST(ACompressedRecording, SplitsARepeatingMotionIntoEightPhases) {
   for (const auto& block : c.blocks) EXPECT_NEAR(block[0].rows(), 100.0, 5.0);
 }
 
-TEST(ACompressedRecording, LeavesOutFixedParameters) {
+TEST(ACompressedRecording, HasNoColumnsOfFixedParameters) {
   ModelDescription d = robot("planar-2r").description();
   d.frames[1].body->fixed = true;
   const Model arm{d};
@@ -181,7 +181,7 @@ TEST(TheNoiseFloor, EqualsTheSimulatedNoise) {
   }
 }
 
-TEST(TheNoiseFloor, IsUnknownWhereNothingRepeats) {
+TEST(TheNoiseFloor, IsUnknownWithoutARepeatingMotion) {
   const Model arm = robot("planar-2r");
   EXPECT_EQ(compress(arm, noisy(arm, lasting(20.0), 0.1, 4), {}).noise_floor.size(), 0);
 }
@@ -190,7 +190,7 @@ TEST(TheNoiseFloor, IsUnknownWhereNothingRepeats) {
 // --------------------------------------------------------------------------------------------------------
 
 // Without a filter the errors are sums over samples that anybody can form.
-TEST(PredictionErrors, AreThoseOfADirectComputation) {
+TEST(PredictionErrors, EqualADirectComputation) {
   const Model arm = robot("scara");
   PreprocessingOptions options = without_edges();
   options.cutoff = 0.0;
@@ -222,7 +222,7 @@ TEST(PredictionErrors, AreThoseOfADirectComputation) {
 
 // Both sides of the comparison go through the filter, all samples count and not only those kept for
 // the fit.
-TEST(PredictionErrors, AreThoseOfFilteredTorques) {
+TEST(PredictionErrors, EqualThoseOfFilteredTorques) {
   const Model arm = robot("scara");
   const PreprocessingOptions options = without_edges();
   const Recording clean = synthetic_recording(arm, lasting(22.0));
@@ -239,7 +239,7 @@ TEST(PredictionErrors, AreThoseOfFilteredTorques) {
     EXPECT_NEAR(e.relative[i], error.col(i).norm() / tau.col(i).norm(), 0.1 * e.relative[i]);
 }
 
-TEST(PredictionErrors, OfSeveralRecordingsAddUp) {
+TEST(PredictionErrors, OfSeveralRecordingsAreSummedInSquares) {
   ErrorSums a(1);
   ErrorSums b(1);
   a.torque2 << 9.0;
@@ -286,7 +286,7 @@ TEST(ThePredictionSeries, IsThinnedOverItsWholeLength) {
 // ---------------------------------------------------------------------------------------------------------
 
 // A file is read in pieces and its numbers have ten digits; otherwise it is the same recording.
-TEST(ACompressedFile, IsTheCompressedRecording) {
+TEST(ACompressedFile, EqualsTheCompressedRecordingInMemory) {
   const Model arm = robot("planar-2r");
   for (const MotionShape& shape : {lasting(50.0), lasting(30.0, 5.0)}) {
     const Recording r = noisy(arm, shape, 0.1, 8);

@@ -62,7 +62,7 @@ TEST(ATestRecording, OfOtherRowsOfAFileIsHeldOut) {
 }
 
 // An arm at rest, whose dry friction holds torques of its own, and one that moves its last joint alone.
-TEST(ATestRecording, AtRestIsNotComparedWithTheNoise) {
+TEST(ATestRecording, OfAJointAtRestGivesNoVerdictForIt) {
   const Recording train = recorded("train", 1);
   for (const bool wrist : {false, true}) {
     Recording rest = recorded("rest", 2);
@@ -90,7 +90,7 @@ Model changed(double mass, double friction) {
 }
 
 // One of three with a load, or with other friction: it is the one that is named, with its joint.
-TEST(TrainingRecordings, ThatDifferAreNamed) {
+TEST(TrainingRecordings, WithADifferentLoadOrFrictionAreReported) {
   for (const bool load : {true, false}) {
     const Recording other = recorded("other", 3, load ? changed(0.5, 0.0) : changed(0.0, 6.0));
     const Identification id = identify(elbow(), {recorded("one", 1), other, recorded("two", 2)});
@@ -105,7 +105,7 @@ TEST(TrainingRecordings, ThatDifferAreNamed) {
 }
 
 // Neither noise nor an effect that the model does not have makes recordings differ.
-TEST(TrainingRecordings, OfOneArmDoNotDiffer) {
+TEST(TrainingRecordings, OfOneArmCauseNoWarning) {
   for (const double share : {1e-3, 0.2}) {
     std::vector<Recording> all = {recorded("one", 1), recorded("two", 2), recorded("three", 3)};
     for (Recording& r : all) {

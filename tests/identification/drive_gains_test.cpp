@@ -123,7 +123,7 @@ TEST_F(KnownMasses, AreSeparatedFromFrictionDrift) {
 }
 
 // Not said which recording carries it, and it is not the last one.
-TEST_F(KnownMasses, AreFoundInTheRecordingsThatCarryThem) {
+TEST_F(KnownMasses, AreAssignedToTheRecordingsThatCarryThem) {
   const std::string load = with_load(3);
   const std::string first = free_arm(1);
   const std::string second = free_arm(2);
@@ -137,7 +137,7 @@ TEST_F(KnownMasses, AreFoundInTheRecordingsThatCarryThem) {
   }
 }
 
-TEST_F(KnownMasses, MayBeSeveral) {
+TEST_F(KnownMasses, TwoMassesInTwoRecordingsGiveTheGains) {
   const std::string light = with_load(3, 1.0);
   const std::string heavy = with_load(4, 3.0);
   const std::string light_name = std::filesystem::path(light).filename().string();
@@ -150,7 +150,7 @@ TEST_F(KnownMasses, MayBeSeveral) {
 }
 
 // A load on the first link, whose axis is vertical, weighs on no joint; one on the flange does.
-TEST_F(KnownMasses, OfSeveralLoadsOneOnTheJointSuffices) {
+TEST_F(KnownMasses, AGainNeedsOnlyOneMassThatWeighsOnItsJoint) {
   const std::string column = arm_.frames().front().name;
   constexpr double kNoise = 50.0;  // no gain is identifiable
   const std::string first = record(loaded(arm_, column, 1.0), 3, kNoise);
@@ -163,7 +163,7 @@ TEST_F(KnownMasses, OfSeveralLoadsOneOnTheJointSuffices) {
 }
 
 // Gains scale with the mass that is claimed.
-TEST_F(KnownMasses, ScaleTheGains) {
+TEST_F(KnownMasses, GainsAreProportionalToTheStatedMass) {
   const std::string load = with_load(3);
   const std::string without = free_arm(1);
   const DriveGains right = find({without, load}, {{2.0, frame_, {load}}});
@@ -172,12 +172,12 @@ TEST_F(KnownMasses, ScaleTheGains) {
     EXPECT_NEAR(doubled.joints[j].value, 2.0 * right.joints[j].value, 1e-6 * right.joints[j].value);
 }
 
-TEST_F(KnownMasses, ThatAreAbsentAreNotFound) {
+TEST_F(KnownMasses, InNoRecordingAreReportedAsMissing) {
   const DriveGains none = find({free_arm(1), free_arm(2)}, {{2.0, frame_, {}}});
   EXPECT_NE(none.problem.find("do not show the known mass"), std::string::npos) << none.problem;
 }
 
-TEST_F(KnownMasses, InTheOtherRecordingsAreNoticed) {
+TEST_F(KnownMasses, AssignedToTheWrongRecordingAreReported) {
   const std::string load = with_load(3);
   const std::string without = free_arm(1);
   const DriveGains swapped = find({without, load}, {{2.0, frame_, {without}}});
@@ -234,7 +234,7 @@ TEST_F(KnownMasses, GiveAModelInNewtonMetres) {
   EXPECT_LT((Y * id.parameters - truth).norm(), 0.02 * truth.norm());
 }
 
-TEST_F(KnownMasses, AreRefusedIfInconsistent) {
+TEST_F(KnownMasses, OfInconsistentRequestsAreRefused) {
   const std::string load = with_load(3);
   const std::string without = free_arm(1);
   const auto error = [&](const std::vector<std::string>& recordings,

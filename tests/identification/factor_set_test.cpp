@@ -78,7 +78,7 @@ testing::AssertionResult same_answer(const Identification& a, const Identificati
 
 // Recordings that do not fit the memory are parsed once, and their answer is that of recordings in
 // memory to the last bit.
-TEST(ManyRecordings, AreParsedOnce) {
+TEST(ManyRecordings, BeyondMemoryAreParsedOnceWithTheSameResult) {
   const Model arm = robot("scara");
   const Files files("parsed-once");
   const std::vector<std::string> paths = files.recordings(arm, 3);
@@ -97,7 +97,7 @@ TEST(ManyRecordings, AreParsedOnce) {
   EXPECT_EQ(in_memory.test_error.relative, on_disk.test_error.relative);
 }
 
-TEST(Factors, SurviveAFileRoundTrip) {
+TEST(Factors, AreKeptByAFileRoundTrip) {
   const Model arm = robot("scara");
   const Files files("same-after-a-file");
   const FactorSet factors = compress(arm, files.recordings(arm, 2));
@@ -212,7 +212,7 @@ TEST(Factors, OfALaterVersionAreRefused) {
 }
 
 // Many recordings keep few blocks each, and still every row.
-TEST(ManyRecordings, KeepEveryRowInFewBlocks) {
+TEST(ManyRecordings, MergingBlocksKeepsEveryRow) {
   const Model arm = robot("scara");
   const Files files("blocks");
   CompressedRecording r = compress(arm, files.recordings(arm, 1, 30.0)[0], {});
@@ -299,7 +299,7 @@ Identification by_ranks(const Model& arm, const std::vector<std::string>& train,
   return answer;
 }
 
-TEST(DistributedIdentification, GivesTheResultOfOneProcess) {
+TEST(DistributedIdentification, GivesTheSameResultAsOneProcess) {
   const Model arm = robot("scara");
   const Files files("ranks");
   std::vector<std::string> train = files.recordings(arm, 6, 8.0);
@@ -408,7 +408,7 @@ TEST(DistributedIdentification, FailsOnAllRanksWithTheSameMessage) {
 }
 
 // Factors are kept while the work goes on, and once as a whole, with the velocities that were chosen in the end.
-TEST(DistributedIdentification, WritesTheFactorsOfOneProcess) {
+TEST(DistributedIdentification, WritesTheSameFactorsAsOneProcess) {
   const Model arm = robot("scara");
   const Files files("kept");
   std::vector<std::string> train = files.recordings(arm, 3, 8.0);
@@ -438,7 +438,7 @@ TEST(DistributedIdentification, WritesTheFactorsOfOneProcess) {
 }
 
 // Ranks tell what recordings leave open as one machine does.
-TEST(DistributedIdentification, ReportsTheErrorOfOneProcess) {
+TEST(DistributedIdentification, ReportsTheSameRankDeficiencyAsOneProcess) {
   const Model arm = robot("scara");
   const Files files("still");
   std::vector<std::string> train = files.recordings(arm, 2, 8.0);

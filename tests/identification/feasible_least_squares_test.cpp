@@ -134,7 +134,7 @@ TEST_F(ReferenceInstance, ReachesTheReferenceObjective) {
             Certificate::kNoBox);  // nothing bounds the moments of inertia from above
 }
 
-TEST_F(ReferenceInstance, WithBoundedInertiasTheCertificateIsRigorous) {
+TEST_F(ReferenceInstance, TheCertificateIsRigorousIfInertiasAreBounded) {
   for (const int column : problem_.body_columns) {
     VectorXd inertias = VectorXd::Zero(115);
     for (const int j : {4, 6, 9}) inertias(column + j) = 1.0;
@@ -149,7 +149,7 @@ TEST_F(ReferenceInstance, WithBoundedInertiasTheCertificateIsRigorous) {
 
 // Normal equations of a triangle are summed otherwise than those of any rows, and with so many
 // variables the corrector is repeated (without: 13 iterations).
-TEST(FeasibleLeastSquares, ATriangleGivesTheSolutionOfItsRows) {
+TEST(FeasibleLeastSquares, ATriangularFactorGivesTheObjectiveOfItsRows) {
   const FeasibleProblem rows = random_problem({22, 5, 225, 2.0}, 5);
   const Eigen::HouseholderQR<MatrixXd> qr(rows.R);
   FeasibleProblem triangle = rows;
@@ -281,7 +281,7 @@ TEST(FeasibleLeastSquares, TheObjectiveDoesNotDependOnUnits) {
   EXPECT_NEAR(grams.objective, expected.objective, 3e-9 * expected.objective);
 }
 
-TEST(FeasibleLeastSquares, ScalesWithTheSumOfSquares) {
+TEST(FeasibleLeastSquares, TheObjectiveScalesWithTheSumOfSquares) {
   for (const double scale : {1e-6, 1e6}) {
     FeasibleProblem problem = random_problem({2, 3, 15, 2.0}, 9);
     const FeasibleResult expected = solve_feasible_least_squares(problem);
@@ -400,7 +400,7 @@ TEST(FeasibleLeastSquares, ReportsInfeasibleProblems) {
 // ---- options
 // -----------------------------------------------------------------------------------------
 
-TEST(FeasibleLeastSquares, WeakerConditionsCostLess) {
+TEST(FeasibleLeastSquares, WeakerConditionsNeverIncreaseTheObjective) {
   for (unsigned seed = 20; seed < 26; ++seed) {
     const FeasibleProblem problem = random_problem({2, 3, 20, 3.0}, seed);
     FeasibleOptions options;

@@ -173,7 +173,7 @@ TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
 }
 
 // The spread of few arms is itself chance: equal ones are not named for it.
-TEST(AFleet, OfFewEqualArmsNamesNone) {
+TEST(AFleet, OfFewEqualArmsHasNoOutliers) {
   for (const unsigned seed : {3U, 4U, 5U}) {
     for (const int arms : {3, 4, 5, 6, 8}) {
       const Simulated all = fleet(arms, -1, no_change, seed);
@@ -186,7 +186,7 @@ TEST(AFleet, OfFewEqualArmsNamesNone) {
 }
 
 // What an arm's short recording hardly determines differs from the others' values by chance.
-TEST(AFleet, NamesNoArmForWhatItsShortRecordingLeavesUncertain) {
+TEST(AFleet, DoesNotReportAnArmWithAShortRecordingAsAnOutlier) {
   const Model arm = scara();
   MotionShape shape;
   shape.duration = 2.0;  // a fifth of the others'
@@ -242,7 +242,7 @@ TEST(AFleet, NamesTheArmWithAnotherGain) {
 }
 
 // Elimination arm by arm against one dense QR of the whole block arrow.
-TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
+TEST(AFleet, EqualsADenseLeastSquaresOfAllArms) {
   const Model arm = scara();
   const Simulated all = fleet(5, -1, no_change);
   std::vector<ArmFactor> arms;
@@ -330,7 +330,7 @@ TEST(AFleet, RefusesProbabilitiesOutsideOfZeroToOne) {
   }
 }
 
-TEST(AFleet, ReadsItsListAndNamesErrors) {
+TEST(AFleet, ReadsItsListAndRefusesInvalidLines) {
   const std::string folder = testing::TempDir() + "veridyn-fleet-list";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -46,7 +46,7 @@ TEST(FrictionCurves, AreTheSumOfTheEffectsWithTheirInterval) {
 // Where the model has the scatter over clusters, the parameters' errors are not independent: those of viscous and
 // Coulomb friction take each other off here. A parameter that the recordings tell in a combination alone has its
 // deviation, if that is known.
-TEST(FrictionCurves, HaveTheIntervalOfTheScatter) {
+TEST(FrictionCurves, HaveTheIntervalOfTheParameterScatter) {
   ModelDescription d = file();
   IdentifiedBase base;
   base.clusters = 3;
@@ -77,7 +77,7 @@ TEST(FrictionCurves, HaveTheIntervalOfTheScatter) {
 }
 
 // Between its speeds a curve is straight, and beyond them it stays.
-TEST(FrictionCurves, AreConstantBeyondTheirEnds) {
+TEST(FrictionCurves, AreLinearBetweenSpeedsAndConstantBeyondTheirEnds) {
   const FrictionCurve c{{0}, Eigen::Vector3d(-1.0, 1.0, 3.0), Eigen::Vector3d(-2.0, 2.0, 8.0), Eigen::Vector3d::Zero()};
   EXPECT_EQ(c.at(-9.0), -2.0);
   EXPECT_EQ(c.at(-1.0), -2.0);
@@ -87,7 +87,7 @@ TEST(FrictionCurves, AreConstantBeyondTheirEnds) {
   EXPECT_EQ(c.at(9.0), 8.0);
 }
 
-TEST(FrictionCurves, OfAModelWithoutFrictionAreNone) {
+TEST(FrictionCurves, OfAModelWithoutFrictionAreEmpty) {
   ModelDescription d = file();
   d.effects.clear();
   EXPECT_TRUE(friction_curves(identified(std::move(d))).empty());

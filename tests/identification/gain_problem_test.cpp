@@ -125,7 +125,7 @@ TEST(TheGainProblem, IsNotBiasedByNoise) {
 
 // Nothing of the known torque is in the currents: the scale is zero within its scatter, and the
 // currents are explained all the same.
-TEST(TheGainProblem, StaysFiniteWithoutAKnownTorque) {
+TEST(TheGainProblem, HasAFiniteSolutionWithoutAKnownTorque) {
   const std::vector<GainEquation> all = equations(0.05, 5, 0.0);
   const VectorXd w = sigma(all, 0.05);
   const GainSolution s = solve_gains(all, w, start_gains(all, w));

@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OfTextbookArms, testing::Values("planar-2r", "sca
 // What is wrong without noise is the derivative of the velocity, (w h)^4 / 30 = 3e-8 at 1 Hz, and
 // what the ends of the light filter leave after 1.2 s and 0.5 s, about 1e-5 of a sample. So: 1e-4
 // of itself, or 1e-6 of the largest of its unit.
-TEST_P(OfTextbookArms, CleanRecordingsRecoverTheTruth) {
+TEST_P(OfTextbookArms, NoiseFreeRecordingsRecoverTheTrueParameters) {
   const Recording r = synthetic_recording(arm_, lasting(30.0));
   const std::map<std::string, double> truth = true_base(arm_);
   for (const Method method : {Method::kOls, Method::kWls, Method::kFeasible}) {
@@ -120,7 +120,7 @@ TEST_P(OfTextbookArms, CleanRecordingsRecoverTheTruth) {
   }
 }
 
-TEST_P(OfTextbookArms, TheOptionsOfPreprocessingDoNotMoveTheTruth) {
+TEST_P(OfTextbookArms, FilterAndVelocityOptionsDoNotBiasTheParameters) {
   const Recording r = synthetic_recording(arm_, lasting(30.0));
   IdentificationOptions o = with(Method::kOls);
   for (const double cutoff : {0.0, 3.0, 20.0}) {
@@ -200,7 +200,7 @@ effects:
                    "one-joint.yaml");
 }
 
-TEST(Coulomb, IsRightWithMatchedFilteringAndBiasedWithFilteredSignals) {
+TEST(Coulomb, FrictionIsUnbiasedOnlyWithMatchedFiltering) {
   const Model arm = one_joint();
   MotionShape shape = lasting(40.0);
   shape.highest = 1.5;
@@ -272,7 +272,7 @@ TEST_P(FeasibleFits, PrincipalMomentsAloneFitNoWorseThanFullConsistency) {
   EXPECT_EQ(weak.feasible, every_body_possible(arm_, weak.parameters));
 }
 
-TEST_P(FeasibleFits, FollowAHeavyPriorAndNotALightOne) {
+TEST_P(FeasibleFits, EqualAHeavyPriorAndIgnoreALightOne) {
   ModelDescription d = arm_.description();
   d.name = "prior";
   for (Frame& f : d.frames) {
@@ -301,7 +301,7 @@ TEST_P(FeasibleFits, FollowAHeavyPriorAndNotALightOne) {
 // ---------------------------------------------------------------------------------------------------------
 
 // A body whose values are facts keeps them, and the others are what they are beside it.
-TEST(Facts, AreKeptAndTheOthersIdentifiedBesideThem) {
+TEST(Facts, OfABodyAreKeptAndTheOthersIdentified) {
   for (const char* name : {"planar-2r", "scara"}) {
     ModelDescription d = robot(name).description();
     Frame& last = *std::find_if(d.frames.rbegin(), d.frames.rend(),
@@ -388,7 +388,7 @@ TEST(AMotionThatIsTooPoor, IsReportedAsRankDeficient) {
   EXPECT_FALSE(id.undetermined.empty());
 }
 
-TEST(ARecordingWithoutUsableSamples, HasItsOwnStatus) {
+TEST(ARecordingWithoutUsableSamples, HasTheStatusNoData) {
   const Model arm = robot("planar-2r");
   const Identification id = identify(arm, synthetic_recording(arm, lasting(1.5)));
   EXPECT_EQ(id.status, IdentificationStatus::kNoData);
@@ -401,7 +401,7 @@ TEST(ARecordingWithoutUsableSamples, HasItsOwnStatus) {
 // ----------------------------------------------------------------------------------------------
 
 // What gaps take from a recording is said, of those it was learned from and of those it was tested on.
-TEST(GapsOfARecording, AreReportedWithTheirShare) {
+TEST(GapsOfARecording, AreReportedWithTheShareOfSamplesLost) {
   const Model arm = robot("planar-2r");
   MotionShape shape;
   Recording whole = synthetic_recording(arm, shape);
@@ -418,7 +418,7 @@ TEST(GapsOfARecording, AreReportedWithTheirShare) {
   EXPECT_EQ(said(identify(arm, whole, holed)), 1);
 }
 
-TEST(TheNoiseFloor, IsThatOfTheTrainingRecordings) {
+TEST(TheNoiseFloor, EqualsTheFilteredNoiseOfTheTrainingRecording) {
   const Model arm = robot("scara");
   const Recording clean = synthetic_recording(arm, lasting(60.0, 6.0));
   Recording r = clean;
@@ -448,7 +448,7 @@ TEST(ASavedModel, PredictsTheSameTorques) {
   std::filesystem::remove(path);
 }
 
-TEST(Errors, AreThoseOfTheFittedModelOnEachRecording) {
+TEST(Errors, OfEachRecordingEqualThoseOfTheFittedModel) {
   const Model arm = robot("planar-2r");
   const std::string folder = testing::TempDir();
   const std::vector<std::string> train{folder + "id_test_a.csv", folder + "id_test_b.csv"};

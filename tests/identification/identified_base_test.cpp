@@ -41,7 +41,7 @@ double value_of(const IdentifiedParameter& p, const Model& arm) {
   return sum;
 }
 
-TEST(TheIdentifiedBase, HasTheModelsOwnValuesAndTheDeviationsOfTheReport) {
+TEST(TheIdentifiedBase, HasTheValuesOfTheModelAndTheDeviationsOfTheReport) {
   const Identification id = identified(Method::kFeasible);
   const std::optional<IdentifiedBase>& base = id.model->description().identified;
   ASSERT_TRUE(base.has_value());
@@ -59,7 +59,7 @@ TEST(TheIdentifiedBase, HasTheModelsOwnValuesAndTheDeviationsOfTheReport) {
 }
 
 // `free` is what weighted least squares finds, whatever conditions the values were held to.
-TEST(TheIdentifiedBase, HasLeastSquaresWithoutConditionsBesideThem) {
+TEST(TheIdentifiedBase, HasTheUnconstrainedLeastSquaresValuesToo) {
   const Identification held = identified(Method::kFeasible);
   const Identification free = identified(Method::kWls);
   for (size_t j = 0; j < free.base.size(); ++j) {
@@ -70,14 +70,14 @@ TEST(TheIdentifiedBase, HasLeastSquaresWithoutConditionsBesideThem) {
 }
 
 // The shares of all clusters in the squares of a column make one.
-TEST(TheIdentifiedBase, SpreadsEachJointsInformationOverItsClusters) {
+TEST(TheIdentifiedBase, SharesOfAllClustersAddUpToOne) {
   const IdentifiedBase base = *identified(Method::kWls).model->description().identified;
   ASSERT_EQ(base.motion.rows(), base.clusters);
   ASSERT_EQ(base.motion.cols(), 2);
   EXPECT_TRUE(near(base.motion.colwise().squaredNorm().transpose(), Eigen::Vector2d(1, 1), 1e-3));
 }
 
-TEST(TheIdentifiedBase, SurvivesAFileAndIsDroppedIfValuesChange) {
+TEST(TheIdentifiedBase, IsKeptInAFileAndDroppedIfValuesChange) {
   const Identification id = identified(Method::kFeasible);
   const std::string path =
       testing::TempDir() + "identified_base_test_" + std::to_string(::getpid()) + ".yaml";
@@ -91,7 +91,7 @@ TEST(TheIdentifiedBase, SurvivesAFileAndIsDroppedIfValuesChange) {
 }
 
 // Beyond kClustersKept the covariance is kept in another factor, no wider than it must be.
-TEST(TheIdentifiedBase, StaysSmallHoweverManyRecordings) {
+TEST(TheIdentifiedBase, SizeDoesNotGrowWithTheNumberOfRecordings) {
   std::vector<std::string> paths;
   for (unsigned k = 0; k < 16; ++k) {
     paths.push_back(testing::TempDir() + "identified_base_test_" + std::to_string(::getpid()) +

@@ -78,7 +78,7 @@ Model viscous_arm() {
   return Model(std::move(d));
 }
 
-TEST(Instruments, RemoveTheBiasOfANoisyVelocity) {
+TEST(Instruments, ReduceTheBiasOfANoisyVelocityToAThird) {
   const Model arm = viscous_arm();
   const Recording r = swings(arm, 1e-4, 0.5, 0.05, 3);
   const Identification ls = identify(arm, r, with(Method::kWls));
@@ -100,7 +100,7 @@ TEST(Instruments, RemoveTheBiasOfANoisyVelocity) {
 }
 
 // Without noise in the motion all agree, and the test does not cry: of ten seeds and two joints at most four below 0.05.
-TEST(Instruments, AgreeWithLeastSquaresWhereTheMotionIsExact) {
+TEST(Instruments, AgreeWithLeastSquaresForANoiseFreeMotion) {
   const Model arm = viscous_arm();
   int small = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -140,7 +140,7 @@ TEST(Instruments, HaveNoDeviationsFromTwoClusters) {
 }
 
 // A joint whose parameters are all facts has nothing that could be biased; the other one is identified beside it.
-TEST(Instruments, DoNotChangeAJointWithFixedParameters) {
+TEST(Instruments, LeaveAJointOfFixedParametersOutOfTheTest) {
   const Model truth = viscous_arm();
   ModelDescription d = truth.description();
   d.frames[1].body->fixed = true;

@@ -42,7 +42,7 @@ TEST(JointFriction, IsAddedToAMakersFileWithoutAny) {
   EXPECT_NE(friction_remark(maker, lean).find("offset of every joint are identified with it"), std::string::npos);
 }
 
-TEST(JointFriction, OfAFileIsUnchanged) {
+TEST(JointFriction, OfAFileThatHasFrictionIsUnchanged) {
   const Model arm = read_model("planar-2r");
   for (const JointFriction asked : {JointFriction::kAuto, JointFriction::kFile}) {
     EXPECT_EQ(with_friction(arm, asked).effects().size(), arm.effects().size());
@@ -63,7 +63,7 @@ TEST(JointFriction, OfAFileIsUnchanged) {
 }
 
 // Numbers of single joints alone, in the order of the joints, with their deviations where these are known.
-TEST(JointFriction, IsListedJointByJoint) {
+TEST(JointFriction, ValuesAreListedInTheOrderOfTheJoints) {
   ModelDescription d = read_model("planar-2r").description();
   d.effects[2].deviations["coefficient"] = 0.02;
   EffectTerm rotor;

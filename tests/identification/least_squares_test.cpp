@@ -10,7 +10,7 @@ namespace veridyn {
 namespace {
 
 // Each column is the solution of all rows but those of one block, from the rows themselves.
-TEST(LeastSquares, BlocksAreLeftOutOneAtATime) {
+TEST(LeastSquares, LeaveOneOutColumnsSolveAllRowsButOneBlock) {
   constexpr int kBlocks = 5, kRowsOfBlock = 7, kColumns = 3;
   Random random(4);
   std::vector<SquareRootInformation> blocks;

@@ -53,7 +53,7 @@ TEST(Torques, InUnitsOffByAThousandGiveParametersOffByAThousand) {
 }
 
 // Two equal columns have one sum, wherever it is written.
-TEST(AnEffectThatIsGivenTwice, HasTwoParametersWithTheSumOfOne) {
+TEST(AnEffectThatIsGivenTwice, GivesOneBaseParameterAndTheSameError) {
   ModelDescription d = planar().description();
   const auto viscous = std::find_if(d.effects.begin(), d.effects.end(),
                                     [](const EffectTerm& e) { return e.effect == "viscous_friction"; });
@@ -68,7 +68,7 @@ TEST(AnEffectThatIsGivenTwice, HasTwoParametersWithTheSumOfOne) {
   EXPECT_TRUE(near(two.train_error.relative, one.train_error.relative, 1e-9));
 }
 
-TEST(JointsThatMoveAsOne, LeaveParametersUndeterminedOrFitTheirSum) {
+TEST(JointsThatMoveAsOne, AreFittedOrReportedAsUndetermined) {
   const Model arm = planar();
   for (const double ratio : {1.0, -1.0, 0.5}) {
     MatrixXd ddq;
@@ -91,7 +91,7 @@ TEST(JointsThatMoveAsOne, LeaveParametersUndeterminedOrFitTheirSum) {
 }
 
 // A joint that rests in one recording of several does not count as still.
-TEST(AJointThatRestsInTheLastRecording, IsNotStill) {
+TEST(AJointThatRestsInTheLastRecording, IsNotReportedAsNeverMoving) {
   MatrixXd ddq;
   MotionShape shape;
   shape.duration = 12.0;
@@ -130,7 +130,7 @@ TEST(AStillJoint, IsAcceptedIfAllParametersAreDetermined) {
 }
 
 // Every joint that stands still is named, and the recordings are counted.
-TEST(StillJoints, AreNamedTogether) {
+TEST(StillJoints, AreReportedInOneSentence) {
   Recording r = recorded(planar());
   r.q.rowwise() = r.q.row(0).eval();
   r.dq.setZero();
@@ -144,7 +144,7 @@ TEST(StillJoints, AreNamedTogether) {
 }
 
 // A box of one body is kept to, and named where it is the limit.
-TEST(ABox, OfABodyIsRespected) {
+TEST(ABoundingBox, OfMassAndCentreIsRespectedAndNamed) {
   ModelDescription d = planar().description();
   d.frames[1].body->box.mass_max = 1.5;  // its mass is 2.5 kg
   d.frames[1].body->box.com_reach = 0.1;  // its centre is at 0.2 m
@@ -157,7 +157,7 @@ TEST(ABox, OfABodyIsRespected) {
 }
 
 // A model is judged on samples, or not at all.
-TEST(Evaluation, OfNoSamplesHasAReason) {
+TEST(Evaluation, WithoutUsableSamplesReportsAReason) {
   Recording brief = rows_of(recorded(planar()), 0, 200);
   brief.source = "brief";
   const Identification id = evaluate(planar(), brief);
@@ -232,7 +232,7 @@ TEST(Torques, TooSmallForAnyBodyAreRefused) {
 
 // A prior fills what torques leave open. Where it is far from the arm, the fit is as good as without,
 // or a status says that it is not.
-TEST(APrior, NeverGivesAWrongConvergedSolution) {
+TEST(APrior, FarFromTheArmGivesAnEquallyGoodFitOrAStatus) {
   const Recording r = recorded(planar());
   int done = 0, refused = 0;
   for (const double factor : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {

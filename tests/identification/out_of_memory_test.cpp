@@ -99,7 +99,7 @@ class OutOfMemory : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(OutOfMemory, EndsTheWorkAndLeavesFilesWhole) {
+TEST_F(OutOfMemory, AnAllocationFailureLeavesNoPartialFile) {
   work();
   const std::string whole = bytes_of_file(output());
   const long before = allocations;
@@ -127,7 +127,7 @@ TEST_F(OutOfMemory, EndsTheWorkAndLeavesFilesWhole) {
 }
 
 // A thread whose stack finds no room cannot be started: what it would have read ahead is read in turn.
-TEST_F(OutOfMemory, WithoutMemoryForAThreadTheWorkIsDone) {
+TEST_F(OutOfMemory, IfNoThreadCanStartTheResultIsTheSame) {
   work();
   const std::string whole = bytes_of_file(output());
   fs::remove(output());
@@ -143,7 +143,7 @@ TEST_F(OutOfMemory, WithoutMemoryForAThreadTheWorkIsDone) {
   EXPECT_EQ(bytes_of_file(output()), whole);
 }
 
-TEST_F(OutOfMemory, TruncatesNoText) {
+TEST_F(OutOfMemory, AFailedAllocationThrowsInsteadOfTruncatingText) {
   const std::string part(500, 'x');
   const auto whole = [&part] { return text(part, ' ', 1.5, ' ', part, ' ', 12345678); };
   const std::string expected = whole();

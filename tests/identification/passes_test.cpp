@@ -73,7 +73,7 @@ VectorXd floor_of(double difference, double from = -1.0, double to = -1.0) {
   return fold.relative_floor();
 }
 
-TEST(Repeats, AreComparedOutsideOfGaps) {
+TEST(Repeats, WithGapsGiveTheSameNoiseFloor) {
   ASSERT_EQ(floor_of(0.0).size(), 1);
   EXPECT_EQ(floor_of(0.0)[0], 0.0);
   // The variance of a difference is twice that of one repeat.
@@ -84,7 +84,7 @@ TEST(Repeats, AreComparedOutsideOfGaps) {
   EXPECT_EQ(floor_of(0.1, 0.995, 2.0).size(), 0);
 }
 
-TEST(Repeats, GiveNoFloorWithoutAPeriod) {
+TEST(Repeats, WithoutAPeriodGiveNoNoiseFloor) {
   PeriodFold fold(2, 0.0);
   fold.add(0.0, MatrixXd::Ones(1, 2), 0);
   fold.add(1.0, MatrixXd::Ones(1, 2), 0);

@@ -51,7 +51,7 @@ double least_eigenvalue(const VectorXd& phi) {
 class PortableModels : public OnSampleArm {};
 INSTANTIATE_TEST_SUITE_P(Sample, PortableModels, testing::ValuesIn(sample_arm_names()), sample_arm_name);
 
-TEST_P(PortableModels, HavePossibleBodiesAndTheSameTorques) {
+TEST_P(PortableModels, HavePhysicallyConsistentBodiesAndTheSameTorques) {
   const Model identified = as_identified(arm());
   ASSERT_LT(least_eigenvalue(*identified.inertial_values()), 0.0);
   const PortableModel portable = portable_model(identified);
@@ -71,7 +71,7 @@ TEST_P(PortableModels, HavePossibleBodiesAndTheSameTorques) {
 }
 
 // Where the torques admit the prior itself, nothing is nearer to it.
-TEST_P(PortableModels, EqualThePriorIfTorquesAgree) {
+TEST_P(PortableModels, EqualThePriorIfItsTorquesAgree) {
   const PortableModel portable = portable_model(as_identified(arm()), arm());
   ASSERT_TRUE(portable.changed) << portable.remark;
   EXPECT_EQ(portable.prior, "the bodies of " + arm().name());
@@ -79,7 +79,7 @@ TEST_P(PortableModels, EqualThePriorIfTorquesAgree) {
 }
 
 // A pendulum of 0.4 m whose torques are those of a rod of water: its mass, which no torque shows, is the rod's.
-TEST(PortableModel, ARodHasTheMassOfItsVolume) {
+TEST(PortableModel, AnUnidentifiedMassIsThatOfARodOfWater) {
   constexpr double kLength = 0.4, kMass = 1000.0 * M_PI * 0.025 * 0.025 * kLength;
   ArmBuilder builder("pendulum", 1, 3);
   const int link = builder.link(-1, JointType::kRevolute, {1.0}, 0.0, identity_pose(), identity_pose());
@@ -176,7 +176,7 @@ class GearedArm : public testing::Test {
   Model drawing_;
 };
 
-TEST_F(GearedArm, ExportedBodiesHaveTheMassOfTheDrawing) {
+TEST_F(GearedArm, ExportedBodiesHaveThePriorMassesAndTheSameTorques) {
   const Model model = identified();
   ASSERT_LT(least_eigenvalue(*model.inertial_values()), 0.0);
   const MatrixXd before = torques(model);
@@ -190,7 +190,7 @@ TEST_F(GearedArm, ExportedBodiesHaveTheMassOfTheDrawing) {
 }
 
 // Where the format has a place for it, the gear's inertia is no link's.
-TEST_F(GearedArm, ArmaturesHoldTheRotorInertia) {
+TEST_F(GearedArm, RotorInertiaIsExportedAsArmature) {
   const PortableModel portable = portable_model(identified(), std::nullopt, RotorPlace::kArmatures);
   ASSERT_TRUE(portable.changed) << portable.remark;
   ASSERT_EQ(portable.arm.effects().size(), 6U);

@@ -22,7 +22,7 @@ TEST(PseudoInertia, OfAPointMassIsItsOuterProduct) {
   EXPECT_NEAR(smallest_eigenvalue(pseudo_inertia(phi)), 0.0, 1e-13);
 }
 
-TEST(PseudoInertia, AdjointsAndInverseMatchTheMaps) {
+TEST(PseudoInertia, AdjointAndInverseMatchTheMap) {
   std::mt19937 generator(5);
   const InertialVector phi = random_matrix(10, 1, generator);
   const Matrix4d Z = random_matrix(4, 4, generator);
@@ -30,7 +30,7 @@ TEST(PseudoInertia, AdjointsAndInverseMatchTheMaps) {
   EXPECT_LT((inertial_parameters(pseudo_inertia(phi)) - phi).norm(), 1e-13);
 }
 
-TEST(PseudoInertia, EntropicDivergenceIsZeroOnlyAtThePriorAndFreeOfUnits) {
+TEST(PseudoInertia, EntropicDivergenceIsZeroAtThePriorAndAffineInvariant) {
   std::mt19937 generator(6);
   const Matrix4d J = pseudo_inertia(random_body(generator));
   const Matrix4d J0 = pseudo_inertia(random_body(generator));
@@ -44,7 +44,7 @@ TEST(PseudoInertia, EntropicDivergenceIsZeroOnlyAtThePriorAndFreeOfUnits) {
 }
 
 // A point mass gets a radius in every direction, a body with more than that stays, and no mass is no body.
-TEST(PseudoInertia, OfABodyWithASizeHasIt) {
+TEST(PseudoInertia, APointMassGetsASizeAndALargerBodyIsUnchanged) {
   InertialVector point;
   point << 2.0, 2.0, 4.0, 6.0, 26.0, -4.0, 20.0, -6.0, -12.0, 10.0;  // 2 kg at (1, 2, 3)
   const InertialVector ball = with_size(point, 0.1);

@@ -36,7 +36,7 @@ Fleet fleet_of(int arms) {
   return f;
 }
 
-TEST(TheFleetsReport, ListsOutliersAndCountsTheRest) {
+TEST(TheFleetsReport, ListsOutliersAndExcludedArmsAndCountsTheRest) {
   Fleet f = fleet_of(3);
   EXPECT_TRUE(report_contains(f.report(), "no arm stands out"));
   EXPECT_TRUE(report_contains(f.report(), "joint 1: 2.00 % with the fleet's bodies, 0.50 % with its own"));

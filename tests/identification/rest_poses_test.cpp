@@ -95,7 +95,7 @@ TEST_F(Resting, KnownApproachesSeparateGravityAndDryFriction) {
 }
 
 // One pose, however long it was held, says nothing about gravity: the recording is no table of poses.
-TEST_F(Resting, OnePoseIsNoTableOfPoses) {
+TEST_F(Resting, ARecordingOfOnePoseIsNotAtRest) {
   TemporaryFolder folder;
   const std::string header = "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
   const std::string here = ",0.1,0.2,0.1,0,0,0,1,2,3\n", there = ",0.1,0.3,0.1,0,0,0,1,2,3\n";
@@ -104,7 +104,7 @@ TEST_F(Resting, OnePoseIsNoTableOfPoses) {
 }
 
 // A motion whose velocities were not recorded is none either, and is identified with derived ones.
-TEST_F(Resting, AMotionWithVelocitiesOfZeroIsNoTableOfPoses) {
+TEST_F(Resting, AMotionRecordedWithZeroVelocitiesIsNotAtRest) {
   TemporaryFolder folder;
   Recording r = read_recording(folder.write("recorded.csv", planar_recording(12.0)));
   const Model arm = read_model("planar-2r");
@@ -122,7 +122,7 @@ TEST_F(Resting, AMotionWithVelocitiesOfZeroIsNoTableOfPoses) {
 }
 
 // Without it, no level is made up: the band says how far friction spreads the torques.
-TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
+TEST_F(Resting, WithoutApproachDirectionsNoFrictionLevelIsIdentified) {
   const Identification id = identify(read_model("psm-3dof"), {without_approach(poses(1, 200))});
   ASSERT_TRUE(id.model.has_value()) << id.reason;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(coulomb_of(*id.model, i), 0.0);
@@ -132,7 +132,7 @@ TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
 
 // The links of a SCARA that turn about the vertical have no weight in any torque: the solver leaves them near the solid
 // spheres that it begins with, whose moments of inertia are two fifths of mass times squared radius.
-TEST(RestingScara, UnobservedLinksStayNearTheInitialSolidSpheres) {
+TEST(RestingScara, UnobservedInertiasStayNearThoseOfTheInitialSpheres) {
   const Model truth = read_model("scara");
   ModelDescription unknown = truth.description();
   for (Frame& frame : unknown.frames)
@@ -188,7 +188,7 @@ TEST_F(Resting, AStationaryJointIsAccepted) {
 }
 
 // A file without time, its approach in columns of signs; and moments of rest within a motion.
-TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
+TEST_F(Resting, PosesAreReadFromTablesAndFromRestsInAMotion) {
   TemporaryFolder folder;
   const std::string rows = folder.path("rows.csv");
   std::ofstream(rows) << "q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n0.1,0.2,0.1,1,-1,0,1,2,3\n0.3,0.2,0.1,-1,0,1,4,5,6\n";
@@ -226,7 +226,7 @@ TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
 
 // Rests at two positions are two poses though no row shows the motion between them: its rows were left out
 // (no torques), or its velocities are missing. From which side the second one was reached nobody knows.
-TEST_F(Resting, TwoPositionsAreTwoPoses) {
+TEST_F(Resting, RestsAtTwoPositionsAreTwoPoses) {
   TemporaryFolder folder;
   const auto read = [&](const std::string& between) {
     std::string text = "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
@@ -253,7 +253,7 @@ TEST_F(Resting, TwoPositionsAreTwoPoses) {
 
 // Without velocities every row is a pose, as where all are zero, and currents are torques by the drive gains; rows
 // with gaps are none.
-TEST_F(Resting, PosesAreThoseOfTheRecording) {
+TEST_F(Resting, EveryCompleteRowWithoutVelocitiesIsAPose) {
   Recording r;
   r.source = "table";
   r.time = VectorXd::LinSpaced(4, 0.0, 3.0);
@@ -327,7 +327,7 @@ TEST_F(Resting, MotionsAreRefusedAsPoses) {
   }
 }
 
-TEST_F(Resting, TheToolIdentifiesAModelForTheGravityOfADvrk) {
+TEST_F(Resting, ACommandIdentifiesAModelForDvrkGravityCompensation) {
   TemporaryFolder folder;
   const Recording p = without_approach(poses(5, 60));
   const std::string path = folder.path("rest.csv");

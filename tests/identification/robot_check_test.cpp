@@ -116,7 +116,7 @@ TEST_F(AMistakenRecording, IsNotReportedIfTheMotionDoesNotDetermineIt) {
 }
 
 // What the sentence of a fault says, the fit bears out: less is left unexplained than before.
-TEST_F(AMistakenRecording, IsNamedWithTheShareThatFalls) {
+TEST_F(AMistakenRecording, IsReportedWithTheErrorsBeforeAndAfterCorrection) {
   Recording r = recorded("elbow-6r", 14);
   r.tau.col(1) *= -1.0;
   r.tau.col(3) *= -1.0;
@@ -130,7 +130,7 @@ TEST_F(AMistakenRecording, IsNamedWithTheShareThatFalls) {
   }
 }
 
-TEST_F(AMistakenRecording, WithTorquesTurnedRoundIsCorrectedByTheUnitsOption) {
+TEST_F(AMistakenRecording, WithOneReversedTorqueIsCorrectedByTheUnitsOption) {
   for (const char* robot : {"psm-3dof", "elbow-6r"}) {
     Recording r = recorded(robot, 4);
     r.tau.col(1) *= -1.0;
@@ -204,7 +204,7 @@ TEST_F(AMistakenRecording, InDegreesAndMillimetresIsCorrectedByTheUnitsOptionFor
 }
 
 // What no question explains is said to be unexplained, and no sign or unit is blamed for it.
-TEST_F(AMistakenRecording, OfAnotherArmIsExplainedByNothing) {
+TEST_F(AMistakenRecording, WithTorquesOfAnotherMotionIsReportedAsUnexplained) {
   Recording r = recorded("elbow-6r", 12);
   r.tau = recorded("elbow-6r", 17).tau;
   EXPECT_EQ(findings(r), Names{"unexplained:0"}) << sentences_;
@@ -219,7 +219,7 @@ TEST_F(AMistakenRecording, WithAClippedTorqueIsNotReportedAsAnotherUnit) {
 }
 
 // Every position lies within its joint's limits, which in degrees it would leave.
-TEST_F(AMistakenRecording, IsNotInDegreesWhereRadiansAreWithinTheLimits) {
+TEST_F(AMistakenRecording, InDegreesWithinTheLimitsIsOnlySuspected) {
   Recording r = recorded("elbow-6r", 8);
   r.q *= 180.0 / M_PI;
   r.dq *= 180.0 / M_PI;
@@ -266,7 +266,7 @@ TEST_F(AMistakenRecording, OfAMotorWithTheOppositeSignIsCorrectedByUnits) {
 }
 
 // The option that undoes a zero beside that of the robot file.
-TEST(AZero, IsCheckedAfterTheUnit) {
+TEST(AnOffset, InAUnitIsSubtractedBeforeTheConversion) {
   EXPECT_NEAR((*recordings::unit_scale("q", "rad@1.5"))(2.0), 0.5, 1e-12);
   EXPECT_NEAR((*recordings::unit_scale("q", "deg@90"))(180.0), 0.5 * M_PI, 1e-12);
   EXPECT_NEAR((*recordings::unit_scale("q", "4096/rev@2048"))(3072.0), 0.5 * M_PI, 1e-12);
@@ -290,7 +290,7 @@ TEST_F(AMistakenRecording, WithOneTorqueInAnotherUnitIsCorrectedByTheUnitsOption
 }
 
 // Signs of single joints beside the unit of all: the options undo both.
-TEST_F(AMistakenRecording, InDegreesAndTheOtherWayRoundIsCorrectedByBothOptions) {
+TEST_F(AMistakenRecording, InDegreesAndReversedIsCorrectedByTwoOptions) {
   Recording r = recorded("elbow-6r", 35);
   for (MatrixXd* values : {&r.q, &r.dq}) {
     *values *= 180.0 / M_PI;
@@ -363,14 +363,14 @@ class ARobotFile : public AMistakenRecording {
   }
 };
 
-TEST_F(ARobotFile, WithoutFrictionContradictsNothing) {
+TEST_F(ARobotFile, WithoutFrictionCausesNoFinding) {
   Recording r = recorded_beside_values("elbow-6r", 21);
   EXPECT_EQ(findings(r), Names{}) << sentences_;
   r.tau *= 1.4;
   EXPECT_EQ(findings(r), Names{}) << sentences_;
 }
 
-TEST_F(ARobotFile, ShowsTheUnitOfTorques) {
+TEST_F(ARobotFile, WithValuesRevealsTheUnitOfTorques) {
   const Recording sound = recorded_beside_values("elbow-6r", 22);
   Recording r = sound;
   r.tau *= 1e3;
@@ -388,7 +388,7 @@ TEST_F(ARobotFile, ShowsTheUnitOfTorques) {
   expect(r, {"torque_sign:0"}, "--units tau=-Nm");
 }
 
-TEST_F(ARobotFile, ShowsTorquesBeyondItsEfforts) {
+TEST_F(ARobotFile, WithEffortLimitsRevealsTorquesBeyondThem) {
   const Recording r = recorded_beside_values("elbow-6r", 22);
   ModelDescription d = arm_->description();
   for (int i = 0; i < 6; ++i) d.coordinates[static_cast<size_t>(i)].limits.effort = (i == 2 ? 0.2 : 1.2) * r.tau.col(i).cwiseAbs().maxCoeff();
@@ -397,7 +397,7 @@ TEST_F(ARobotFile, ShowsTorquesBeyondItsEfforts) {
 }
 
 // Masses in grams in the robot file: in kN m the torques would be beyond its efforts.
-TEST_F(ARobotFile, ShowsNoUnitOfTorquesThatItsEffortsExclude) {
+TEST_F(ARobotFile, DoesNotSuggestATorqueUnitThatItsEffortsExclude) {
   const Recording r = recorded_beside_values("elbow-6r", 22);
   ModelDescription d = arm_->description();
   for (Frame& f : d.frames) {
@@ -410,14 +410,14 @@ TEST_F(ARobotFile, ShowsNoUnitOfTorquesThatItsEffortsExclude) {
   EXPECT_NE(sentences_.find("are its masses in another unit"), std::string::npos) << sentences_;
 }
 
-TEST_F(ARobotFile, ShowsTorquesMeasuredBeforeTheGears) {
+TEST_F(ARobotFile, WithGearsRevealsTorquesMeasuredBeforeThem) {
   Recording r = recorded_beside_values("elbow-6r", 23);
   r.tau /= 121.0;
   EXPECT_EQ(findings(r), Names{"torque_unit:0"}) << sentences_;
   EXPECT_NE(sentences_.find("in front of gears of about 1"), std::string::npos) << sentences_;
 }
 
-TEST_F(ARobotFile, ShowsTheDirectionOfGravity) {
+TEST_F(ARobotFile, WithAWrongGravityDirectionIsReported) {
   const Recording sound = recorded_beside_values("elbow-6r", 24);
   const auto mounted = [&](const Eigen::Vector3d& gravity) {
     ModelDescription d = arm_->description();
@@ -436,7 +436,7 @@ TEST_F(ARobotFile, ShowsTheDirectionOfGravity) {
   EXPECT_EQ(findings(sound), Names{"gravity:0"}) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithOnePairOfUnitsIsCorrectedByIt) {
+TEST_F(AMistakenRecording, WithOneWrongUnitIsCorrectedByTheSuggestedOption) {
   const Recording sound = recorded("elbow-6r", 25);
   Recording r = sound;
   r.q *= 180.0 / M_PI;
@@ -544,14 +544,14 @@ TEST_F(AMistakenRecording, WithClosedBrakesIsCorrectedByTheMinSpeedOption) {
   EXPECT_NE(sentences_.find("--min-speed 0.01 mends it"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithSizesOfOneTorqueIsNotCorrectedByItsSign) {
+TEST_F(AMistakenRecording, WithAbsoluteValuesOfOneTorqueHasNoSign) {
   Recording r = recorded("elbow-6r", 44);
   r.tau.col(1) = -r.tau.col(1).cwiseAbs();
   EXPECT_EQ(findings(r), Names{"no_sign:2"}) << sentences_;
 }
 
 // A shoulder that moves over a fifth of its range: gravity there is nearly a straight line, as a spring is.
-TEST_F(AMistakenRecording, OfASmallMotionDoesNotSeparateASpringFromALoad) {
+TEST_F(AMistakenRecording, OfASmallMotionIsReportedAsWeakMotion) {
   const auto weak = [this](double share) {
     arm_.emplace(read_model("planar-2r"));
     const Model plausible = plausible_model(*arm_, 30).arm;
@@ -602,7 +602,7 @@ TEST_F(AMistakenRecording, WithLateTorquesIsNamedWithTheDelay) {
   EXPECT_NE(sentences_.find("before the motion"), std::string::npos) << sentences_;
 }
 
-TEST_F(AMistakenRecording, WithAClockOfItsOwnForTorquesIsNamed) {
+TEST_F(AMistakenRecording, WithAnotherClockForTorquesIsReported) {
   Recording r = recorded("elbow-6r", 22);
   shift_torques(r, [](double t) { return 0.985 * t; });  // 0.3 s late after 20 s
   EXPECT_EQ(findings(r), Names{"torque_clock:0"}) << sentences_;
@@ -620,7 +620,7 @@ TEST_F(AMistakenRecording, WithFilteredTorquesIsNamedWithTheCutOff) {
 }
 
 // An offset that steps, a load that is picked up, a sensor that fails: the rest of the recording is used.
-TEST_F(AMistakenRecording, InWhichSomethingChangesMidwayIsCorrectedByTheRowsOption) {
+TEST_F(AMistakenRecording, WithAChangeMidwayIsCorrectedByTheRowsOption) {
   const Recording sound = recorded("elbow-6r", 23);
   const int moment = 1240;  // of 2000 rows
   Recording stepped = sound, failed = sound, loaded = sound, late = sound;
@@ -648,7 +648,7 @@ TEST_F(AMistakenRecording, WithOneWrongGainIsNamedWithTheFactor) {
 }
 
 // If joints move as one, that is the only finding.
-TEST_F(AMistakenRecording, OfJointsThatMoveAsOneIsNotCompared) {
+TEST_F(AMistakenRecording, OfJointsThatMoveAsOneHasThisFindingAlone) {
   Recording r = recorded("elbow-6r", 25);
   r.q.col(3) = 0.5 * r.q.col(1);
   r.dq.col(3) = 0.5 * r.dq.col(1);
@@ -658,7 +658,7 @@ TEST_F(AMistakenRecording, OfJointsThatMoveAsOneIsNotCompared) {
 }
 
 // Columns that hold no torques explain by themselves that the arm does not fit.
-TEST(MergedFindings, ExplainedByColumnsOmitTheMismatchOfTheArm) {
+TEST(MergedFindings, OmitMismatchesThatAnUnusableColumnExplains) {
   const auto finding = [](const char* name) {
     QualityFinding f;
     f.finding = name;

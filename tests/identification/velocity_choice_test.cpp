@@ -51,7 +51,7 @@ TEST(VelocityChoice, ConsistentVelocitiesAreUsedAsRecorded) {
   EXPECT_TRUE(derived(recording()).empty());
 }
 
-TEST(VelocityChoice, ACoarseVelocityComesFromThePositionAndItsJointOnly) {
+TEST(VelocityChoice, OnlyTheJointWithACoarseVelocityUsesThePosition) {
   Recording r = recording();
   quantise(r, 1, 0.1);
   EXPECT_EQ(derived(r), std::vector<int>{1});
@@ -78,7 +78,7 @@ TEST(VelocityChoice, AWrongVelocityIsNotReportedAsAModelError) {
 
 // Published identifications filter the signals and take the velocity as it is; to compare with them
 // this must too.
-TEST(VelocityChoice, FilteredSignalsKeepTheRecordedVelocity) {
+TEST(VelocityChoice, WithFilteredSignalsTheRecordedVelocityIsUsed) {
   Recording r = recording();
   quantise(r, 1, 0.1);
   IdentificationOptions options;
@@ -88,14 +88,14 @@ TEST(VelocityChoice, FilteredSignalsKeepTheRecordedVelocity) {
   EXPECT_FALSE(identify(arm(), r, options).preprocessing.derive_velocity_of.empty());
 }
 
-TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
+TEST(VelocityChoice, AVelocityOfAnotherUnitIsReplacedByTheDerivedOne) {
   Recording r = recording();
   r.dq.col(0) *= 1.2;
   EXPECT_EQ(derived(r), std::vector<int>{0});
 }
 
 // Velocities are judged from the rows that are asked about, and from a bounded number of them.
-TEST(VelocityChoice, OnlyUsedRowsAreInspected) {
+TEST(VelocityChoice, InspectedRowsAreThoseOfTheOptionsUpToABound) {
   PreprocessingOptions how;
   how.first_row = 7;
   how.row_count = 30;
@@ -108,7 +108,7 @@ TEST(VelocityChoice, OnlyUsedRowsAreInspected) {
 }
 
 // The torques are the judge: a position that is worse than the doubtful velocity is not asked.
-TEST(VelocityChoice, TheTorqueErrorDecides) {
+TEST(VelocityChoice, VelocitiesAreReplacedOnlyWhereTheTorqueErrorFalls) {
   Identification before;
   before.train_error.relative = Eigen::Vector3d(0.10, 0.10, 0.10);
   std::vector<std::set<int>> asked;

@@ -68,7 +68,7 @@ TEST(TheVerdict, DoesNotReportALargeDifferenceAsNoise) {
 }
 
 // Rows that came late are no error of the model: where they are repaired, the repaired error decides.
-TEST(TheVerdict, UsesRepairedRows) {
+TEST(TheVerdict, UsesTheErrorOfRepairedRowsIfGiven) {
   Identification id = result({0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, {0.01, 0.01, 0.01, 0.01, 0.01, 0.01});
   EXPECT_EQ(verdict_of(id).joints[0].state, IdentifiedState::kUnexplained);
   id.test_repaired.relative = VectorXd::Constant(6, 0.011);
@@ -78,7 +78,7 @@ TEST(TheVerdict, UsesRepairedRows) {
 
 // Without repeats the noise is not known, except that one per cent is better than any sensor; without limits no
 // joint hardly moves; and a joint that moves slowly over its range, or quickly over little of it, moves.
-TEST(TheVerdict, OmitsStatesWithoutData) {
+TEST(TheVerdict, WithoutRepeatsOrLimitsNoJointStateIsDecided) {
   Identification id = result({0.2, 0.005, 0.2, 0.2, 0.2, 0.2}, {});
   id.train_error = id.test_error;
   id.test_error = {};
@@ -110,7 +110,7 @@ TEST(TheVerdict, WithoutAModelIsEmpty) {
 }
 
 // A contact in one recording does not repeat and is no noise; a recording without repetitions has no floor.
-TEST(NoiseFloor, ExcludesAContactInOneRecording) {
+TEST(NoiseFloor, ExcludesARecordingWithAContact) {
   std::vector<CompressedRecording> recordings(4);
   recordings[0].noise_floor = Eigen::Vector2d(0.01, 0.03);
   recordings[1].noise_floor = Eigen::Vector2d(0.02, 0.04);

@@ -35,7 +35,7 @@ VectorXd twist(const Eigen::Matrix4d& ahead, const Eigen::Matrix4d& behind,
   return v;
 }
 
-TEST(Planar2R, TipIsWhereTrigonometryPutsIt) {
+TEST(Planar2R, TipAndJacobianAreTheClosedForm) {
   const Model arm = planar_2r();
   const double l = kPlanarLength1;
   const Eigen::Vector2d q(0.3, -1.1);
@@ -49,7 +49,7 @@ TEST(Planar2R, TipIsWhereTrigonometryPutsIt) {
 }
 
 // DH numbers by their definition, four elementary transforms.
-TEST(Dh, BothConventionsAreTheirFourTransforms) {
+TEST(Dh, BothConventionsEqualTheirFourElementaryTransforms) {
   const auto move = [](double z, double x) { return Posed{identity3(), {x, 0, z}}; };
   const auto turn = [](const Mat3d& R) { return Posed{R, {0, 0, 0}}; };
   for (const JointType type : {JointType::kFixed, JointType::kRevolute, JointType::kPrismatic}) {
@@ -89,7 +89,7 @@ TEST_P(KinematicsOnEverySampleArm, PosesAreProductsOfHomogeneousMatrices) {
   }
 }
 
-TEST_P(KinematicsOnEverySampleArm, JacobianIsTheRateOfThePose) {
+TEST_P(KinematicsOnEverySampleArm, JacobianMatchesCentralDifferencesOfThePose) {
   for (const State& s : test_states(joints(), 52)) {
     for (int k = 0; k < frames(); ++k) {
       const MatrixXd J = frame_jacobian(arm(), s.q, k);
@@ -103,7 +103,7 @@ TEST_P(KinematicsOnEverySampleArm, JacobianIsTheRateOfThePose) {
   }
 }
 
-TEST_P(KinematicsOnEverySampleArm, JacobianRateIsTheRateOfTheJacobian) {
+TEST_P(KinematicsOnEverySampleArm, JacobianRateMatchesCentralDifferencesOfTheJacobian) {
   for (const State& s : test_states(joints(), 53)) {
     for (int k = 0; k < frames(); ++k) {
       const MatrixXd ahead = frame_jacobian(arm(), s.q + kStep * s.dq, k);

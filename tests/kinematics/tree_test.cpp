@@ -11,7 +11,7 @@ class TreeOnEverySampleArm : public OnSampleArm {};
 INSTANTIATE_TEST_SUITE_P(Sample, TreeOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
                          sample_arm_name);
 
-TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatMoveTheLink) {
+TEST_P(TreeOnEverySampleArm, SupportsOfALinkAreTheCoordinatesThatMoveIt) {
   for (const Tree::Keep keep : {Tree::Keep::kEveryFrame, Tree::Keep::kBodiesOnly}) {
     const Tree tree(arm(), keep);
     for (const Link& link : tree.links) {
@@ -32,13 +32,13 @@ TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatMoveTheLink) {
   }
 }
 
-TEST_P(TreeOnEverySampleArm, EveryFrameCanBeALink) {
+TEST_P(TreeOnEverySampleArm, EveryFrameIsALinkIfAllAreKept) {
   const Tree tree(arm(), Tree::Keep::kEveryFrame);
   for (size_t k = 0; k < arm().frames().size(); ++k)
     EXPECT_EQ(tree.link_of_frame[k], static_cast<int>(k));
 }
 
-TEST_P(TreeOnEverySampleArm, BodiesKeepTheirOrder) {
+TEST_P(TreeOnEverySampleArm, BodiesOfTheTreeAreInTheOrderOfTheModel) {
   const Tree tree(arm());
   ASSERT_EQ(tree.body_links.size(), arm().bodies().size());
   for (size_t b = 0; b < tree.body_links.size(); ++b) {

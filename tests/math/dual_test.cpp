@@ -30,7 +30,7 @@ double df(double x) {
   return (2 * x * s + (x * x - 3) * c) / d + (x * x - 3) * s * s / (d * d) - 1;
 }
 
-TEST(Dual, CarriesTheFirstDerivative) {
+TEST(Dual, EvaluatesTheFirstDerivative) {
   for (const double x : {-2.0, 0.0, 1e-8, 0.4, 3.0}) {
     const D1 y = f(D1(x, 1.0));
     EXPECT_NEAR(y.value, f(x), kRounding);
@@ -44,7 +44,7 @@ TEST(Dual, IsLinearInItsDirection) {
 }
 
 // d2/dx2 of sin is -sin, of 1/x is 2/x^3, of x^3 is 6 x.
-TEST(Dual, NestedCarriesTheSecondDerivative) {
+TEST(Dual, NestedEvaluatesTheSecondDerivative) {
   const double x = 0.7;
   const D2 X(D1(x, 1.0), D1(1.0));
   D2 s;

@@ -47,7 +47,7 @@ void expect_lanes_are_scalars() {
   }
 }
 
-TEST(Pack, LanesAreScalars) {
+TEST(Pack, EveryLaneEqualsTheScalarResult) {
   expect_lanes_are_scalars<P4>();
   expect_lanes_are_scalars<P8>();
 }
@@ -97,7 +97,7 @@ TEST(Pack, SineOfTinyNumbersIsTheNumber) {
   for (const double x : {0.0, 1e-300, 1e-20, 1e-8}) EXPECT_LE(worst_ulps(x), 1.0) << x;
 }
 
-TEST(Pack, NotANumberStaysInItsLane) {
+TEST(Pack, NanInOneLaneAffectsNoOtherLane) {
   P8 x(0.5);
   x.v[3] = std::numeric_limits<double>::quiet_NaN();
   P8 s(0.0);

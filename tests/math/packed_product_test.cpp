@@ -53,7 +53,7 @@ TEST(PackedProduct, EqualsTheDefinition) {
   }
 }
 
-TEST(PackedProduct, SolvesTriangles) {
+TEST(PackedProduct, SolvesTriangularSystems) {
   Random random(72);
   for (const int n : {5, 31, 70}) {
     MatrixXd R = random_matrix(random, n, n);
@@ -89,7 +89,7 @@ TEST(PackedProduct, BothWidthsAreEqualToTheLastBit) {
   }
 }
 
-TEST(PackedProduct, IsAvailableOnThisProcessor) {
+TEST(PackedProduct, Avx2VersionExistsOnAProcessorWithAvx2) {
 #if defined(__x86_64__)
   if (widest_instruction_set() < InstructionSet::kAvx2) GTEST_SKIP() << "a processor without AVX2";
   EXPECT_NE(packed_product_avx2(), nullptr);

@@ -24,7 +24,7 @@ TEST(ParallelFor, CallsTheBodyOnceForEveryIndex) {
   }
 }
 
-TEST(ParallelFor, UsesNoMoreThreadsThanItMay) {
+TEST(ParallelFor, UsesNoMoreThreadsThanAllowed) {
   for (const int threads : {1, 2, 3}) {
     std::set<std::thread::id> seen;
     std::mutex guard;
@@ -38,7 +38,7 @@ TEST(ParallelFor, UsesNoMoreThreadsThanItMay) {
 }
 
 // Two bodies that wait for each other finish only if they run at one time.
-TEST(ParallelFor, RunsBodiesAtOneTime) {
+TEST(ParallelFor, TwoBodiesRunAtTheSameTime) {
   std::atomic<int> here{0};
   std::atomic<bool> met{true};
   parallel_for(2, 2, [&](int) {
@@ -50,7 +50,7 @@ TEST(ParallelFor, RunsBodiesAtOneTime) {
   EXPECT_TRUE(met);
 }
 
-TEST(ParallelFor, ThrowsAgainWhatTheBodyThrewAfterAllAreDone) {
+TEST(ParallelFor, AnExceptionOfABodyIsRethrownAfterAllHaveFinished) {
   for (const int threads : {1, 4}) {
     std::atomic<int> calls{0};
     const auto body = [&](int i) {

@@ -23,7 +23,7 @@ void expect_as_jacobi(const MatrixXd& A) {
   EXPECT_LT((found - wanted).cwiseAbs().maxCoeff(), 1e-13 * wanted[0] * static_cast<double>(A.cols()));
 }
 
-TEST(SingularValues, AreThoseOfJacobi) {
+TEST(SingularValues, EqualThoseOfAJacobiDecomposition) {
   Random random(7);
   for (const int n : {1, 2, 3, 26, 98}) {
     const MatrixXd A = random_matrix(random, n);
@@ -46,7 +46,7 @@ TEST(SingularValues, OfGradedAndSingularMatricesAreAccurate) {
   EXPECT_LT(singular_values(A)[29], 1e-15);
 }
 
-TEST(SingularValues, OfAnEmptyMatrixAreNone) {
+TEST(SingularValues, OfAnEmptyMatrixAreAnEmptyVector) {
   EXPECT_EQ(singular_values(MatrixXd(0, 0)).size(), 0);
   EXPECT_EQ(singular_values(MatrixXd::Zero(4, 4)), VectorXd::Zero(4));
   EXPECT_DOUBLE_EQ(singular_values(MatrixXd::Constant(1, 1, -3.0))[0], 3.0);

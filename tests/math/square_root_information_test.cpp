@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, OfAnyShape, testing::Values(0, 1, 3, 6, 7, 8, 255
 // A factor of many columns keeps few rows as they are.
 constexpr int kMany = 136;
 
-TEST_P(OfAnyShape, TheSumOfSquaresIsThatOfTheRowsForEveryX) {
+TEST_P(OfAnyShape, ResidualSumOfSquaresEqualsThatOfTheRows) {
   Random random(1);
   for (const int columns : {7, kMany}) {
     const Rows rows = random_rows(GetParam(), columns, random);
@@ -109,7 +109,7 @@ TEST_P(OfAnyShape, BlocksGiveTheFactorOfAllRows) {
 }
 
 // No vector x can go below rho^2, and the least-squares solution reaches it.
-TEST(TheFactor, LeavesInRho2WhatNoXCanRemove) {
+TEST(TheFactor, Rho2IsTheLeastSumOfSquares) {
   Random random(3);
   const Rows rows = random_rows(400, 6, random);
   const SquareRootInformation f = factor_of(rows, names(6));
@@ -167,7 +167,7 @@ TEST(TheFactor, MergesTheRowsOfAnotherTimesTheWeight) {
   EXPECT_TRUE(same(f, factor_of(both, names(3))));
 }
 
-TEST(TheFactor, MergedWithItselfCountsTwice) {
+TEST(TheFactor, MergedWithItselfCountsEveryRowTwice) {
   Random random(7);
   const Rows p = random_rows(40, 3, random);
   SquareRootInformation f = factor_of(p, names(3));
@@ -178,7 +178,7 @@ TEST(TheFactor, MergedWithItselfCountsTwice) {
   EXPECT_TRUE(same(f, factor_of(twice, names(3))));
 }
 
-TEST(TheFactor, RestrictedIsTheFactorOfTheseColumns) {
+TEST(TheFactor, RestrictedToColumnsEqualsTheFactorOfTheseColumns) {
   Random random(8);
   const Rows p = random_rows(300, 6, random);
   const SquareRootInformation f = factor_of(p, names(6));
@@ -230,7 +230,7 @@ TEST(TheFactor, AddsUpFactorsOfAnyRowsAndColumns) {
   } while (std::next_permutation(order.begin() + 2, order.end()));
 }
 
-TEST(TheFactor, FollowsAChangeOfVariables) {
+TEST(TheFactor, ChangeOfVariablesEqualsTheFactorOfTransformedRows) {
   Random random(9);
   const Rows p = random_rows(100, 5, random);
   const SquareRootInformation f = factor_of(p, names(5));
@@ -241,7 +241,7 @@ TEST(TheFactor, FollowsAChangeOfVariables) {
   }
 }
 
-TEST(TheFactor, HasTheNormsOfTheColumnsOfItsRows) {
+TEST(TheFactor, ColumnNormsAreThoseOfItsRows) {
   Random random(10);
   const Rows p = random_rows(500, 4, random);
   EXPECT_TRUE(
@@ -250,7 +250,7 @@ TEST(TheFactor, HasTheNormsOfTheColumnsOfItsRows) {
 
 // What is kept is a square of the columns, however many rows went in, and no digits are lost on the
 // way.
-TEST(TheFactor, DoesNotGrowWithTheRows) {
+TEST(TheFactor, SizeDoesNotGrowWithTheNumberOfRows) {
   Random random(11);
   const VectorXd truth = random.vector(4, -1, 1);
   SquareRootInformation f(names(4));
@@ -279,7 +279,7 @@ TEST(TheFactor, SolvesBadlyConditionedRows) {
 }
 
 // Each column on its own scale, over sixteen decades: R'R = A'A holds column by column.
-TEST(TheFactor, KeepsColumnsOfAllScales) {
+TEST(TheFactor, IsAccurateForColumnsOverSixteenDecades) {
   Random random(14);
   Rows p = random_rows(700, 17, random);
   VectorXd scale(17);

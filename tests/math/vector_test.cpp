@@ -25,7 +25,7 @@ Vec3d random_vector(Random& random) {
   return {random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)};
 }
 
-TEST(Vector, ProductsAreThoseOfEigen) {
+TEST(Vector, ProductsEqualThoseOfEigen) {
   Random random(1);
   for (int k = 0; k < 20; ++k) {
     const Vec3d a = random_vector(random);

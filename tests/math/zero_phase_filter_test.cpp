@@ -115,7 +115,7 @@ TEST(TheZeroPhaseFilter, KeepsAStraightLineUpToItsEnds) {
 
 // The worst that samples of size one can do from so many samples away: the sum of the impulse
 // response beyond.
-TEST(TheZeroPhaseFilter, HasSettledAfterItsSettlingSamples) {
+TEST(TheZeroPhaseFilter, ResponseBeyondItsSettlingSamplesIsBelowTheRemainder) {
   for (int order = 1; order <= 10; ++order) {
     for (const double cutoff : {0.5, 2.0, 5.0, 20.0, 60.0}) {
       const ZeroPhaseFilter filter(cutoff, order, kRate);
@@ -134,7 +134,7 @@ TEST(TheZeroPhaseFilter, HasSettledAfterItsSettlingSamples) {
   }
 }
 
-TEST(TheZeroPhaseFilter, TreatsEveryColumnAlike) {
+TEST(TheZeroPhaseFilter, FiltersEveryColumnIndependently) {
   Random random(3);
   for (const int columns : {1, 7, 8, 9, 17}) {
     MatrixXd all(300, columns);

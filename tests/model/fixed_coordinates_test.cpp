@@ -16,7 +16,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OnEverySampleArm, testing::ValuesIn(sample_arm_na
 
 // A joint that rests at its place takes no part: the other joints' torques are those of the whole
 // arm with this joint's velocity and acceleration at zero.
-TEST_P(OnEverySampleArm, WithAJointHeldMovesLikeTheWholeArmWithItAtRest) {
+TEST_P(OnEverySampleArm, FixingAJointGivesTheTorquesOfTheArmWithThatJointAtRest) {
   const Model arm = sample_arms().at(GetParam());
   if (arm.joints() < 2 || !arm.inertial_values()) GTEST_SKIP() << "nothing to hold";
   Random random(7);

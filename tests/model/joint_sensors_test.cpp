@@ -20,7 +20,7 @@ Model wrong_arm() {
   return Model(std::move(d));
 }
 
-TEST(JointSensors, AddAndRemoveTheErrorsOfTheModel) {
+TEST(JointSensors, RemovingAddedErrorsRestoresTheTrueValues) {
   const JointSensors sensors(wrong_arm());
   const VectorXd true_q = Eigen::Vector3d(0.3, -0.2, 0.1);
   const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
@@ -45,7 +45,7 @@ TEST(JointSensors, CurrentsBecomeTrueTorques) {
   EXPECT_DOUBLE_EQ(current[1], 5.0 * 2.0 / 1.25);
 }
 
-TEST(JointSensors, AModelWithoutErrorsChangesNoBit) {
+TEST(JointSensors, AModelWithoutErrorsChangesNoValue) {
   const JointSensors sensors(read_model("psm-3dof"));
   const VectorXd before = Eigen::Vector3d(0.1, 1.0 / 3.0, -7e-12);
   VectorXd v = before;
@@ -59,7 +59,7 @@ TEST(JointSensors, AModelWithoutErrorsChangesNoBit) {
 }
 
 // A strong joint in the channel of a weak one: no command exceeds its drive for any signs, and one reaches it.
-TEST(JointSensors, LimitsHoldUnderCrosstalk) {
+TEST(JointSensors, TorqueLimitsHoldUnderCrosstalkForEverySign) {
   std::vector<RecordedChannel> channels(3);
   channels[0].torque_gain = 1.25;
   channels[1].torque_crosstalk = {{0, -0.15}};
@@ -106,7 +106,7 @@ TEST(JointSensors, CrosstalkAndGainAreInvertible) {
             "the recorded torque of joint 'insertion' is mixed with 0.2 times that of joint 'pitch'");
 }
 
-TEST(JointSensors, CrosstalkFollowsItsJointWhereAnotherIsFixed) {
+TEST(JointSensors, CrosstalkRefersToTheSameJointAfterAnotherIsFixed) {
   ModelDescription d = read_model("psm-3dof").description();
   d.coordinates[1].recorded.torque_crosstalk = {{2, -0.1}};
   const Model arm(std::move(d));
@@ -143,7 +143,7 @@ TEST(JointSensors, ADelayIsAppliedAndCorrected) {
   EXPECT_DOUBLE_EQ(sensors.torque_at(1, kRows - 1, kRows, kStep, recorded), tau(kRows - 1, 1));
 }
 
-TEST(JointSensors, DescribeTheirErrors) {
+TEST(JointSensors, EveryErrorIsDescribedInASentence) {
   const Model arm = wrong_arm();
   const std::vector<std::string> words = JointSensors(arm).descriptions(arm);
   ASSERT_EQ(words.size(), 3U);

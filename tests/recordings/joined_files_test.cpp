@@ -72,7 +72,7 @@ class Joined : public testing::Test {
   Folder folder_;
 };
 
-TEST_F(Joined, FilesOfOneJointEachAreOneRecordingInTheOrderOfTheFiles) {
+TEST_F(Joined, FilesOfOneJointEachGiveOneRecordingInTheirOrder) {
   const std::string path = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1) + "+" + file("c.csv", 2, 1);
   const Recording r = read_recording(path);
   EXPECT_EQ(r.rows(), kRows);
@@ -83,11 +83,11 @@ TEST_F(Joined, FilesOfOneJointEachAreOneRecordingInTheOrderOfTheFiles) {
   EXPECT_EQ(read_recording(path, some).rows(), 100);
 }
 
-TEST_F(Joined, JointNumbersFollowTheColumnsIfTheyDiffer) {
+TEST_F(Joined, JointNumbersAreThoseOfTheColumnsIfTheyDiffer) {
   expect_joints(read_recording(file("b.csv", 1, 2) + "+" + file("a.csv", 0, 1)), {0, 1});
 }
 
-TEST_F(Joined, OtherRatesAreInterpolatedAndOnlyTimesInCommonCount) {
+TEST_F(Joined, FilesOfDifferentRatesAreInterpolatedOverTheirCommonTime) {
   const Recording r = read_recording(file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1, 130.0, 0.3));
   expect_joints(r, {0, 1});
   EXPECT_GE(r.time[0], 0.3 - 1e-9);
@@ -107,7 +107,7 @@ TEST_F(Joined, ASlowerFileIsReported) {
 }
 
 // Only files that count their joints are counted on; a name beside a number tells that these are names.
-TEST_F(Joined, AJointInTwoFilesIsRefusedWhereOneHasAName) {
+TEST_F(Joined, ANamedJointThatOccursInTwoFilesIsRefused) {
   const std::string named = folder_.write("named.csv", "t,position,elbow_position,effort,elbow_effort\n0,1,2,3,4\n0.01,1.1,2.2,3.3,4.4\n0.02,1,2,3,4\n");
   EXPECT_NE(refusal([&] { (void)read_recording(file("a.csv", 0, 1) + "+" + named); }).find("named.csv: found joint 1, expected one that no file before it has"), std::string::npos);
 }
@@ -140,7 +140,7 @@ SignalChoice with_held(double position) {
   return choice;
 }
 
-TEST_F(Joined, AHeldJointIsLeftOutWhereItIsRecorded) {
+TEST_F(Joined, AHeldJointIsLeftOutIfItWasRecorded) {
   RecordingOptions options;
   options.signals = with_held(0.1);
   const std::string all = file("a.csv", 0, 1) + "+" + file("b.csv", 1, 1) + "+" + file("c.csv", 2, 1);
@@ -160,14 +160,14 @@ TEST_F(Joined, AHeldJointIsLeftOutWhereItIsRecorded) {
   EXPECT_TRUE(facts.remarks.empty());
 }
 
-TEST_F(Joined, AHeldJointNeedNotBeRecorded) {
+TEST_F(Joined, AHeldJointMayBeMissingFromTheFiles) {
   RecordingOptions options;
   options.signals = with_held(0.1);
   expect_joints(read_recording(file("a.csv", 0, 1) + "+" + file("c.csv", 2, 1), options), {0, 2});
 }
 
 // A pipe cannot be opened again to find out whether it has the joint.
-TEST_F(Joined, AHeldJointNeedNotBeInAPipe) {
+TEST_F(Joined, AHeldJointMayBeMissingFromAPipe) {
   RecordingOptions options;
   options.signals = with_held(0.1);
   const std::string both = folder_.path("both.csv");
@@ -179,14 +179,14 @@ TEST_F(Joined, AHeldJointNeedNotBeInAPipe) {
   writer.join();
 }
 
-TEST_F(Joined, LongNumbersOfJointsAreNames) {
+TEST_F(Joined, JointNumbersOfElevenDigitsAreTreatedAsNames) {
   std::string paths[2];
   for (int k = 0; k < 2; ++k)
     paths[k] = folder_.write(std::string(1, char('a' + k)) + ".csv", "t,q99999999999,tau99999999999\n0,1,2\n0.01,2,3\n0.02,3,4\n");
   EXPECT_THROW(read_recording(paths[0] + "+" + paths[1]), InvalidInput);
 }
 
-TEST(Arrays, NamedByAMapHaveTheirLongerDimensionAsTheTime) {
+TEST(Arrays, MappedArraysHaveTimeAlongTheirLongerDimension) {
   recordings::ArraySet set;
   recordings::NamedArray in{"input_mat", 300, 2, {}};
   recordings::NamedArray out{"output_mat", 300, 2, {}};
@@ -207,7 +207,7 @@ TEST(Arrays, NamedByAMapHaveTheirLongerDimensionAsTheTime) {
 }
 
 // A file may hold any number of arrays: a message names a few, and groups with signals have a limit.
-TEST(Arrays, ThousandsAreReportedInOneShortLine) {
+TEST(Arrays, ThousandsOfArraysAreReportedInOneShortLine) {
   recordings::ArraySet others, groups;
   for (int k = 0; k < 5000; ++k) {
     others.arrays.push_back({text("a", k), 1, 1, {0.0}});

@@ -78,7 +78,7 @@ TEST(Joints, AreMatchedByTheirNumbersIfNoNameMatches) {
   EXPECT_EQ(match_joints({"yaw", "pitch"}, {"joint_1", "joint_3"}, {}), (std::vector<int>{-1, -1}));
 }
 
-TEST(Joints, AreNeverMatchedByTheirPlace) {
+TEST(Joints, WithUnknownNamesAreNotMatchedByTheirPosition) {
   EXPECT_EQ(match_joints({"yaw", "pitch"}, {"alpha", "beta"}, {}), (std::vector<int>{-1, -1}));
   EXPECT_EQ(match_joints({"yaw", "pitch"}, {"alpha", "pitch"}, {}), (std::vector<int>{-1, 1}));
 }

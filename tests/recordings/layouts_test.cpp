@@ -320,7 +320,7 @@ TEST(ANameWithSlashes, IsSplitIntoTopicAndJoint) {
 }
 
 // As in "[deg]", where the words of the line are units with or without brackets.
-TEST(UnitsBelowTheHeader, MayStandInBrackets) {
+TEST(UnitsBelowTheHeader, MayBeWrittenInBrackets) {
   const std::string path = testing::TempDir() + "veridyn-brackets-" + std::to_string(::getpid());
   std::ofstream(path) << table("time,shoulder_pos,elbow_pos,shoulder_tau,elbow_tau\n[ms],[deg],(deg),[mNm],[Nm]", ",", 1e3, 0.0, kDegrees);
   const Recording r = read_recording(path);
@@ -332,7 +332,7 @@ TEST(UnitsBelowTheHeader, MayStandInBrackets) {
 }
 
 // The smallest doubles are times like others.
-TEST(ATimeBelowTheNormalNumbers, IsRead) {
+TEST(ADenormalTime, IsReadAsZero) {
   const std::string path = testing::TempDir() + "veridyn-denormal-" + std::to_string(::getpid());
   std::ofstream(path) << "time,pos_a\n1e-320,0.1\n0.01,0.2\n0.02,0.3\n";
   const Recording r = read_recording(path);

@@ -101,7 +101,7 @@ TEST_F(AWrongRow, IsNotReportedForACorrectRecording) {
 
 // Rows that were lost twice within a second, with times that are counted on: the joints jump on with their motion, which does
 // not turn meanwhile, and no row between is wrong.
-TEST_F(AWrongRow, IsNoDropoutWhereRowsWereLost) {
+TEST_F(AWrongRow, IsNotReportedWhereRowsWereLost) {
   Recording r = smooth();
   int kept = 0;
   for (int k = 0; k < kMendedRows; ++k) {
@@ -115,7 +115,7 @@ TEST_F(AWrongRow, IsNoDropoutWhereRowsWereLost) {
 }
 
 // Encoders that read zero for some rows, also one row behind the other, and rows of another publisher in between.
-TEST_F(AWrongRow, InAShortDropoutIsInterpolatedOrAGap) {
+TEST_F(AWrongRow, InAShortDropoutIsInterpolatedOrBecomesAGap) {
   Recording r = smooth();
   for (const int at : {100, 103, 400, 700, 705, 1100}) r.q.row(at).setZero();
   r.q.block(800, 1, 7, 1).setZero();
@@ -154,7 +154,7 @@ TEST_F(AWrongRow, OfIsolatedZerosIsDropped) {
 }
 
 // An encoder that does not answer for two seconds, with a velocity that stays as well or is zero at once.
-TEST_F(AWrongRow, OfAFrozenEncoderIsAGap) {
+TEST_F(AWrongRow, OfAFrozenEncoderBecomesAGap) {
   for (const bool zero : {false, true}) {
     Recording r = smooth();
     r.q.col(1).segment(500, 200).setConstant(r.q(500, 1));
@@ -180,14 +180,14 @@ TEST_F(AWrongRow, IsNotReportedForAJointThatRests) {
 }
 
 // A step to another place for good is no dropout: the check of jumps names it.
-TEST_F(AWrongRow, ThatDoesNotReturnIsKept) {
+TEST_F(AWrongRow, OfAStepThatDoesNotReturnIsKept) {
   Recording r = smooth();
   r.q.bottomRows(500).array() += 0.9;
   EXPECT_TRUE(read(r).q.allFinite());
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, WithTorquesDroppingToZeroIsAGap) {
+TEST_F(AWrongRow, WithTorquesDroppingToZeroBecomesAGap) {
   Recording r = smooth();
   r.tau.middleRows(300, 3).setZero();
   const Recording mended = read(r);
@@ -216,7 +216,7 @@ TEST_F(AWrongRow, WithAWrappedAngleIsUnwrapped) {
   EXPECT_LT((undeclared.q.bottomRows(kMendedRows - 1) - undeclared.q.topRows(kMendedRows - 1)).cwiseAbs().maxCoeff(), 2.0);
 }
 
-TEST_F(AWrongRow, OfABurstIsSpreadOverTheTimeSinceThePreviousBurst) {
+TEST_F(AWrongRow, OfABurstIsRetimedSinceThePreviousBurst) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k - k % 8 + 7] + 1e-4 * (k % 8 - 7)); });
   const Recording mended = read_again({});
@@ -227,7 +227,7 @@ TEST_F(AWrongRow, OfABurstIsSpreadOverTheTimeSinceThePreviousBurst) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, AfterAClockStepIsShiftedInTime) {
+TEST_F(AWrongRow, AfterAClockStepIsTimedContinuously) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k] - (k >= 600 ? 0.49 : 0.0)); });
   const Recording mended = read_again({});
@@ -250,7 +250,7 @@ TEST_F(AWrongRow, OfAClockThatChangesItsUnitIsScaled) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(AWrongRow, OfASecondRecordingIsReportedWithOptions) {
+TEST_F(AWrongRow, OfASecondRecordingIsRefusedWithOptionsThatSeparateIt) {
   const Recording r = smooth();
   write_times(r, [&](int k) { return std::to_string(r.time[k % 600]); });
   EXPECT_NE(error_of({}).find(":602:1: found time 0 s after 5.99 s, expected it to grow; a second recording begins at row 600: --rows 0:600"), std::string::npos)
@@ -265,7 +265,7 @@ TEST_F(AWrongRow, OfASecondRecordingIsReportedWithOptions) {
   EXPECT_NE(remarks_.find("the rows are counted at 100 Hz"), std::string::npos) << remarks_;
 }
 
-TEST_F(AWrongRow, WithTruncatedTimesIsTimedByTheRate) {
+TEST_F(AWrongRow, WithTruncatedTimesIsTimedByTheRateOption) {
   const Recording r = smooth();
   for (const std::string time : {"1.75E+09", "1748433664.000000"}) {
     write_times(r, [&](int) { return time; });
@@ -283,7 +283,7 @@ TEST_F(AWrongRow, WithTruncatedTimesIsTimedByTheRate) {
   EXPECT_NEAR(spread.time[401], 1.0025, 1e-6);
 }
 
-TEST_F(AWrongRow, IsNotReportedForDates) {
+TEST_F(AWrongRow, IsNotReportedForTimesGivenAsDates) {
   const Recording r = smooth();
   for (const char* form : {"2024-02-29 23:59:%06.3f", "2024-02-29T23:59:%06.3fZ", "2024/02/29 23:59:%06.3f+01:00", "23:59:%06.3f"}) {
     write_times(r, [&](int k) {

@@ -101,7 +101,7 @@ TEST(ADamagedTable, IsReadOrRefused) {
 }
 
 // A comma behind a number's end is none of the number's.
-TEST(ADamagedTable, IsNamedWithItsPlace) {
+TEST(ADamagedTable, IsRefusedWithLineAndColumn) {
   try {
     read_probe("t;q1;q2\n0,0;0,1;0,2\n0,1;1 x,5;0,2\n0,2;0,1;0,2\n");
     FAIL();
@@ -142,7 +142,7 @@ std::string archive_of_size(std::uint64_t size) {
 }
 
 // No memory is asked for what a directory alone states, of any size.
-TEST(AnArchive, ThatUnpacksToMoreThanTheMachineHoldsIsRefused) {
+TEST(AnArchive, LargerThanMemoryIsRefused) {
   for (const std::uint64_t size : {std::uint64_t{1} << 50, ~std::uint64_t{0}}) {
     try {
       read_probe(archive_of_size(size));

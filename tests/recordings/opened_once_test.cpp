@@ -42,7 +42,7 @@ long opened_by_reading(const std::string& path) {
   return files_opened() - before;
 }
 
-TEST_F(Opened, ARecordingIsOpenedOnceEveryTime) {
+TEST_F(Opened, EveryReadOpensTheFileOnce) {
   for (const std::string& content : {kPlain, kTable}) {
     write(content);
     EXPECT_EQ(opened_by_reading(path_), 1);
@@ -51,7 +51,7 @@ TEST_F(Opened, ARecordingIsOpenedOnceEveryTime) {
 }
 
 // The bound holds for the sum of all files, not for each.
-TEST_F(Opened, FilesAreKeptUpToABoundInTotal) {
+TEST_F(Opened, FilesAreKeptInMemoryUpToABoundInTotal) {
   write(kPlain);
   const std::string other = path_ + ".other.csv";
   std::ofstream(other, std::ios::binary) << kPlain;
@@ -65,7 +65,7 @@ TEST_F(Opened, FilesAreKeptUpToABoundInTotal) {
 }
 
 // A file that cannot be parsed takes no room from the next one.
-TEST_F(Opened, UnreadableFilesUseNoMemory) {
+TEST_F(Opened, AnUnreadableFileTakesNoMemoryFromTheNextOne) {
   const std::string bad = path_ + ".bad.csv";
   write(kPlain);
   std::ofstream(bad, std::ios::binary) << "t,q1,tau1\n0,1,x\n";
@@ -81,7 +81,7 @@ TEST_F(Opened, BagsAndArraysAreOpenedOnce) {
 }
 
 // A mapped file would end the program with SIGBUS here.
-TEST_F(Opened, AFileThatAnotherProgramCutsKeepsItsBytes) {
+TEST_F(Opened, AFileTruncatedByAnotherProgramKeepsItsBytesInMemory) {
   const std::string content(3 << 20, 'x');
   write(content);
   const WholeFile file(path_);
@@ -90,7 +90,7 @@ TEST_F(Opened, AFileThatAnotherProgramCutsKeepsItsBytes) {
 }
 
 // Files of the kernel have fewer bytes than their size says, as one has that is cut in between.
-TEST_F(Opened, AFileThatEndsBeforeItsSizeIsRefused) {
+TEST_F(Opened, AFileShorterThanItsStatedSizeIsRefused) {
   const std::string path = "/sys/kernel/mm/transparent_hugepage/enabled";
   struct stat about {};
   if (::stat(path.c_str(), &about) != 0 || about.st_size < 1000) GTEST_SKIP() << "no " << path;
@@ -116,7 +116,7 @@ TEST_F(Opened, AFileThatIsKeptIsOpenedOnceForAllItsReaders) {
   EXPECT_EQ(files_opened() - before, 1);
 }
 
-TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
+TEST_F(Opened, SelectedRowsOfAKeptFileEqualThoseOfTheFile) {
   write(kPlain);
   KeptRecordings kept;
   for (const long first : {0, 1, 2}) {
@@ -151,7 +151,7 @@ TEST_F(Opened, ARecordingIsCheckedOncePerSetOfOptions) {
 }
 
 // Nothing of a pipe can be read twice.
-TEST_F(Opened, APipeIsReadAsAFileIs) {
+TEST_F(Opened, APipeGivesTheSameRecordingAsAFile) {
   for (const std::string& content : {kPlain, kTable}) {
     write(content);
     const Recording of_file = read_recording(path_);
@@ -167,7 +167,7 @@ TEST_F(Opened, APipeIsReadAsAFileIs) {
   }
 }
 
-TEST_F(Opened, APipeIsKeptForAllItsReaders) {
+TEST_F(Opened, APipeIsKeptInMemoryForAllItsReaders) {
   write(kPlain);
   const Recording of_file = read_recording(path_);
   std::remove(path_.c_str());
@@ -184,7 +184,7 @@ TEST_F(Opened, APipeIsKeptForAllItsReaders) {
 }
 
 // More comments than are kept in memory while the header is looked for: the file is wound back.
-TEST_F(Opened, AHeaderFarBehindTheFirstByteIsFound) {
+TEST_F(Opened, AHeaderAfterTwoMegabytesOfCommentsIsFound) {
   std::ostringstream comments;
   for (int k = 0; k < 60000; ++k) comments << "# a line that says nothing, number " << k << "\n";
   ASSERT_GT(comments.str().size(), std::size_t{2} << 20);

@@ -38,7 +38,7 @@ class Prepared : public testing::Test {
   Model arm_ = read_model("planar-2r");
 };
 
-TEST_F(Prepared, EqualsTheStreamedOneAndIsPreparedOnce) {
+TEST_F(Prepared, KeptSegmentsEqualStreamedOnesAndArePreparedOnce) {
   PreprocessingOptions kept;
   kept.kept = std::make_shared<KeptRecordings>();
   const std::vector<Segment> streamed = visited(arm_, path_, {});
@@ -57,7 +57,7 @@ TEST_F(Prepared, EqualsTheStreamedOneAndIsPreparedOnce) {
 }
 
 // Whatever changes a segment makes it be prepared anew, and what does not, does not.
-TEST_F(Prepared, IsPreparedAnewIfASettingChanges) {
+TEST_F(Prepared, AChangedSettingPreparesTheRecordingAgain) {
   PreprocessingOptions how;
   how.kept = std::make_shared<KeptRecordings>();
   visited(arm_, path_, how);
@@ -91,7 +91,7 @@ TEST_F(Prepared, IsPreparedAnewIfASettingChanges) {
   EXPECT_EQ(prepared(arm_, how), 0);
 }
 
-TEST_F(Prepared, IsStreamedBeyondTheBoundAndMadeAgainAfterAFailure) {
+TEST_F(Prepared, ARecordingBeyondTheMemoryBoundIsPreparedInEveryPass) {
   PreprocessingOptions small;
   small.kept = std::make_shared<KeptRecordings>(10);
   const long before = recordings_prepared();
@@ -106,7 +106,7 @@ TEST_F(Prepared, IsStreamedBeyondTheBoundAndMadeAgainAfterAFailure) {
   EXPECT_FALSE(visited(arm_, path_, how).empty());
 }
 
-TEST(VelocityTrust, WrongVelocitiesAreNotAlsoDoubtful) {
+TEST(VelocityTrust, AWrongVelocityIsNotListedAsDoubtfulToo) {
   RecordingQuality quality;
   const auto add = [&quality](const char* finding, int joint, Severity severity) {
     QualityFinding f;

@@ -171,7 +171,7 @@ PreprocessingOptions options_of(const Variant& v) {
 
 // A cut leaves 1e-9 of what the signals are in the core, beside the rounding of two derivatives
 // over 5 ms.
-TEST(Segments, GiveTheSignalsOfOnePiece) {
+TEST(Segments, SignalsEqualThoseOfARecordingInOnePiece) {
   const Model arm = robot("scara");
   const Recording r = long_recording(arm);
   for (const Variant& v : variants()) {
@@ -188,7 +188,7 @@ TEST(Segments, GiveTheSignalsOfOnePiece) {
   }
 }
 
-TEST(Segments, GiveTheRowsOfOnePiece) {
+TEST(Segments, RegressorRowsEqualThoseOfARecordingInOnePiece) {
   const Model arm = robot("scara");
   const Recording r = long_recording(arm);
   for (const Variant& v : variants()) {
@@ -217,7 +217,7 @@ TEST(Segments, GiveTheRowsOfOnePiece) {
   }
 }
 
-TEST(Segments, TileTheGridWhateverTheLength) {
+TEST(Segments, CoverEverySampleOnceForAnyLength) {
   const Model arm = robot("planar-2r");
   for (const Eigen::Index rows : {2, 50, 4095, 4096, 4097, 4600, 8192, 8193, 9000, 14000}) {
     for (const double cutoff : {0.0, 5.0}) {
@@ -236,7 +236,7 @@ TEST(Segments, TileTheGridWhateverTheLength) {
   }
 }
 
-TEST(ARecordingTimedFromElsewhere, GivesTheSameRows) {
+TEST(ARecordingWithShiftedTime, GivesTheSameRegressorRows) {
   Model arm = robot("planar-2r");
   ModelDescription d = arm.description();
   EffectTerm term;
@@ -268,7 +268,7 @@ TEST(ARecordingTimedFromElsewhere, GivesTheSameRows) {
 // ---- time
 // ----------------------------------------------------------------------------------------------------------
 
-TEST(IrregularTime, IsResampledOnTrueTime) {
+TEST(IrregularTime, IsResampledToEvenTime) {
   const Model arm = robot("scara");
   Random random(5);
   VectorXd time(6000);
@@ -290,7 +290,7 @@ TEST(IrregularTime, IsResampledOnTrueTime) {
   EXPECT_TRUE(near(p.ddq, MatrixXd::Zero(p.ddq.rows(), 4), 1e-9));
 }
 
-TEST(TheRate, IsThatOfTheOptions) {
+TEST(TheRate, SamplesHaveTheRateOfTheOptions) {
   const Model arm = robot("planar-2r");
   for (const double rate : {50.0, 100.0, 333.0}) {
     PreprocessingOptions o = unfiltered();
@@ -340,7 +340,7 @@ TEST(Gaps, AreExcludedWithTheSamplesTheyAffect) {
 
 // A publisher that loses three rows of ten at random leaves holes of up to some rows, far shorter than
 // the waves that the filter lets through: nearly all samples count, at any rate.
-TEST(Gaps, OfRowsLostAtRandomLeaveNearlyAllSamples) {
+TEST(Gaps, OfRowsLostAtRandomExcludeFewSamples) {
   const Model arm = robot("planar-2r");
   std::mt19937 random(5);
   for (const double dt : {0.005, 0.001}) {
@@ -357,7 +357,7 @@ TEST(Gaps, OfRowsLostAtRandomLeaveNearlyAllSamples) {
 }
 
 // Rows that are missing are known by their time.
-TEST(Gaps, AreFoundInTimeAlone) {
+TEST(Gaps, MissingRowsAreFoundByTheirTime) {
   const Model arm = robot("planar-2r");
   VectorXd time(200);
   for (Eigen::Index k = 0; k < 200; ++k) time[k] = 0.005 * static_cast<double>(k < 100 ? k : k + 7);
@@ -368,7 +368,7 @@ TEST(Gaps, AreFoundInTimeAlone) {
 }
 
 // Velocities that are not wanted may be anything.
-TEST(Gaps, OfAnUnwantedSignalDoNotMatter) {
+TEST(Gaps, OfAnUnusedSignalExcludeNoSamples) {
   const Model arm = robot("planar-2r");
   Recording r = lines(even_time(500, 0.005), 2);
   r.dq.setConstant(kNaN);
@@ -383,7 +383,7 @@ TEST(Gaps, OfAnUnwantedSignalDoNotMatter) {
 // ------------------------------------------------------------------------------------------------
 
 // Lengths that end shortly after a segment does, and drops longer than a filter needs to settle.
-TEST(Edges, AreDroppedWhereverTheStretchesEnd) {
+TEST(Edges, AreDroppedForAnyLengthAndFilter) {
   const Model arm = robot("planar-2r");
   const double dt = 0.005;
   for (const double cutoff : {0.0, 5.0, 60.0}) {
@@ -404,7 +404,7 @@ TEST(Edges, AreDroppedWhereverTheStretchesEnd) {
   }
 }
 
-TEST(RowsOfAFile, AreThoseOfTheOptions) {
+TEST(RowsOfAFile, AreSelectedByTheOptions) {
   const Model arm = robot("planar-2r");
   struct Choice {
     long first, count;
@@ -442,7 +442,7 @@ TEST(RowsOfAFile, AreThoseOfTheOptions) {
 // ---- signals
 // -------------------------------------------------------------------------------------------------------
 
-TEST(Velocity, IsDerivedWhereItIsMissingOrNotTrusted) {
+TEST(Velocity, IsDerivedFromThePositionIfMissingOrIfRequested) {
   const Model arm = robot("planar-2r");
   MotionShape shape;
   shape.duration = 5.0;
@@ -500,7 +500,7 @@ TEST(Recordings, ThatDoNotFitTheArmAreRefused) {
   EXPECT_NE(refused(lines(even_time(1, 0.005), 2)).find("one row"), std::string::npos);
 }
 
-TEST(Decimation, KeepsARateOfFourTimesTheCutOff) {
+TEST(Decimation, RateStaysAtLeastFourTimesTheCutOff) {
   PreprocessingOptions o;
   o.cutoff = 5.0;
   EXPECT_EQ(decimation(o, 0.005), 10);

@@ -34,7 +34,7 @@ Recording fourier_motion(double period, double duration, double rate, double noi
 }
 
 // The steps of the sampling do not show: the error stays below a twentieth of one.
-TEST(APeriod, IsFoundToAFractionOfASample) {
+TEST(APeriod, IsFoundToATwentiethOfASample) {
   for (const double period : {4.7313, 6.4805, 7.0 / 0.9, 11.66666, 20.0}) {
     const MotionPeriod found = detect_period(fourier_motion(period, 30.0, 200.0, 1e-4));
     EXPECT_NEAR(found.seconds, period, 0.05 / 200.0);
@@ -43,7 +43,7 @@ TEST(APeriod, IsFoundToAFractionOfASample) {
   }
 }
 
-TEST(APeriod, IsTheBaseAndNotAMultiple) {
+TEST(APeriod, IsTheShortestAndNotAMultiple) {
   EXPECT_NEAR(detect_period(fourier_motion(2.5, 60.0, 100.0, 1e-4)).seconds, 2.5, 1e-3);
 }
 
@@ -67,7 +67,7 @@ TEST(APeriod, IsFoundBetweenRestsAndInIrregularTime) {
   EXPECT_NEAR(detect_period(kept).seconds, 5.0, 1e-3);
 }
 
-TEST(APeriod, IsNotInventedWhereNothingRepeats) {
+TEST(APeriod, IsNotReportedWithoutARepeatingMotion) {
   EXPECT_FALSE(
       detect_period(fourier_motion(40.0, 30.0, 100.0, 1e-4)).found());  // less than one period
   EXPECT_FALSE(detect_period(Recording()).found());

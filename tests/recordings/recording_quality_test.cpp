@@ -49,7 +49,7 @@ TEST(ACleanRecording, HasNoFindingButItsRate) {
   EXPECT_EQ(quality.severity(), Severity::kInfo);
 }
 
-TEST(ACleanRecording, StaysCleanWithoutVelocitiesOrWithoutTorques) {
+TEST(ACleanRecording, WithoutVelocitiesOrTorquesHasNoFinding) {
   Recording r = clean_recording();
   r.dq.resize(0, 0);
   expect_only(check_recording(r), {});
@@ -80,7 +80,7 @@ TEST(ARecording, ThatIsUnusableReportsTheReason) {
 
 // A simulated recording has neither noise nor quantisation, rests at both ends, and its torque is
 // smooth.
-TEST(ACleanRecording, StaysCleanWithoutAnyNoise) {
+TEST(ACleanRecording, WithoutNoiseHasNoFinding) {
   Recording r = clean_recording();
   for (int k = 0; k < kRows; ++k) {
     const double s =
@@ -100,7 +100,7 @@ TEST(ACleanRecording, StaysCleanWithoutAnyNoise) {
 
 // ---- one planted fault at a time: found, with its size, and nothing else
 
-TEST(AFault, StaleRowsAreCounted) {
+TEST(AFault, StaleRowsAreReportedWithTheirShare) {
   Recording r = clean_recording();
   int planted = 0;
   for (int k = 10; k < kRows; k += k % 3 == 0 ? 7 : 9, ++planted) {
@@ -115,7 +115,7 @@ TEST(AFault, StaleRowsAreCounted) {
   EXPECT_EQ(found(quality, "stale_rows").value, 1.0);
 }
 
-TEST(AFault, ASignalThatIsRefreshedAtHalfRateIsStale) {
+TEST(AFault, ASignalUpdatedAtHalfTheRateIsReportedAsStale) {
   Recording r = clean_recording();
   for (int k = 1; k < kRows; k += 2) r.tau(k, 1) = r.tau(k - 1, 1);
   const RecordingQuality quality = check_recording(r);
@@ -125,7 +125,7 @@ TEST(AFault, ASignalThatIsRefreshedAtHalfRateIsStale) {
   EXPECT_NEAR(found(quality, "stale_signal").share, 0.5, 0.02);
 }
 
-TEST(AFault, GapsAreCountedPerSignal) {
+TEST(AFault, GapsAreReportedWithJointAndShare) {
   Recording r = clean_recording();
   for (int k = 100; k < 160; ++k) r.tau(k, 2) = NAN;
   const RecordingQuality quality = check_recording(r);
@@ -135,7 +135,7 @@ TEST(AFault, GapsAreCountedPerSignal) {
   EXPECT_EQ(found(quality, "gaps").value, 60.0);
 }
 
-TEST(AFault, MissingRowsAreCounted) {
+TEST(AFault, MissingRowsAreReportedWithTheirNumber) {
   const Recording whole = clean_recording();
   Recording r = whole;
   r.time.tail(4000).array() += 25 / kRate;
@@ -169,7 +169,7 @@ TEST(AFault, ATorqueColumnThatHoldsAVelocityIsNamed) {
   EXPECT_NE(found(check_recording(r), "same_column").sentence.find("dq2 and tau2 hold the same numbers"), std::string::npos);
 }
 
-TEST(AFault, SwappedVelocitiesAreNamedWithTheJointsThatTheyAreOf) {
+TEST(AFault, SwappedVelocitiesAreReportedWithBothJoints) {
   Recording r = clean_recording();
   r.dq.col(0).swap(r.dq.col(2));
   const RecordingQuality quality = check_recording(r);
@@ -178,7 +178,7 @@ TEST(AFault, SwappedVelocitiesAreNamedWithTheJointsThatTheyAreOf) {
 }
 
 // Values are missing to either side of each extreme.
-TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
+TEST(AFault, MissingValuesAroundExtremesAreNotReportedAsSaturation) {
   const Recording clean = clean_recording();
   Recording r = clean;
   for (int j = 0; j < r.joints(); ++j) {
@@ -194,7 +194,7 @@ TEST(AFault, HolesAreNoEdgesOfASaturatedTorque) {
 }
 
 // A register of 16 bits and the like: what leaves its range comes in at the other end.
-TEST(AFault, ATorqueThatOverflowsIsNotSaturated) {
+TEST(AFault, AnOverflowingTorqueIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   const double end = 0.6 * r.tau.col(1).cwiseAbs().maxCoeff();
   for (double& x : r.tau.col(1)) x -= 2.0 * end * std::round(x / (2.0 * end));
@@ -204,7 +204,7 @@ TEST(AFault, ATorqueThatOverflowsIsNotSaturated) {
 }
 
 // Forty rows in a second are lost now and then, and the times are counted on.
-TEST(AFault, LostRowsAreNoSecondRecording) {
+TEST(AFault, LostRowsAreReportedAsJumpsAndNotAsASecondRecording) {
   const Recording clean = clean_recording();
   Recording r = clean;
   int kept = 0;
@@ -221,7 +221,7 @@ TEST(AFault, LostRowsAreNoSecondRecording) {
 }
 
 // Dry friction of a joint that turns round 0.12 s after the start.
-TEST(AFault, FrictionThatTurnsRoundAtTheStartDoesNotRing) {
+TEST(AFault, AnEarlyFrictionReversalIsNotReportedAsATransient) {
   const Recording clean = clean_recording();
   for (int j = 0; j < kJoints; ++j) {
     int turn = 400;
@@ -234,14 +234,14 @@ TEST(AFault, FrictionThatTurnsRoundAtTheStartDoesNotRing) {
 }
 
 // Two wrong values near the start.
-TEST(AFault, SingleWrongTorquesDoNotRing) {
+TEST(AFault, SingleWrongTorquesAreNotReportedAsATransient) {
   Recording r = clean_recording();
   for (const int row : {5, 31}) r.tau(row, 0) += 20.0 * r.tau.col(0).cwiseAbs().maxCoeff();
   EXPECT_EQ(check_recording(r).find("start_up_transient"), nullptr);
 }
 
 // A torque that is refreshed every tenth row holds its extremes as it holds all values.
-TEST(AFault, ATorqueThatIsHeldIsNotSaturated) {
+TEST(AFault, ATorqueHeldForTenRowsIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   for (int k = 0; k < kRows; ++k) r.tau.row(k) = r.tau.row(k - k % 10).eval();  // one new value in ten rows
   const RecordingQuality quality = check_recording(r);
@@ -258,7 +258,7 @@ TEST(AFault, TorquesThatAreNeverNegativeAreReported) {
 }
 
 // Commanded positions are ahead of measured velocities, and no clock is off.
-TEST(AFault, PositionsThatLeadAreNotReportedAsAnotherClock) {
+TEST(AFault, PositionsAheadOfVelocitiesAreReportedAsADelay) {
   Recording r = clean_recording();
   const int ahead = static_cast<int>(0.08 * kRate);
   r.q.topRows(kRows - ahead) = r.q.bottomRows(kRows - ahead).eval();
@@ -274,7 +274,7 @@ TEST(AFault, RevolutionsPerMinuteAreNotReportedAsDegrees) {
   EXPECT_NE(found(check_recording(r), "rate_contradiction").sentence.find("--units q=rev,dq=rpm"), std::string::npos);
 }
 
-TEST(AFault, IrregularTimeShowsTheMeanRate) {
+TEST(AFault, IrregularTimeIsReportedWithTheMeanRate) {
   Recording r = clean_recording();
   Recording kept = r;
   int count = 0;
@@ -290,7 +290,7 @@ TEST(AFault, IrregularTimeShowsTheMeanRate) {
   EXPECT_NEAR(found(quality, "irregular_time").value, (count - 1) / kept.time[count - 1], 1e-6);
 }
 
-TEST(AFault, AbsurdNumbersAreGapsForTheRest) {
+TEST(AFault, AbsurdNumbersAreReportedAndTreatedAsGaps) {
   Recording r = clean_recording();
   r.q(1000, 0) = 1e305;
   r.tau(2000, 1) = -INFINITY;
@@ -300,7 +300,7 @@ TEST(AFault, AbsurdNumbersAreGapsForTheRest) {
   EXPECT_EQ(quality.severity(), Severity::kFault);
 }
 
-TEST(AFault, JumpsAreFoundWithSizeAndJoint) {
+TEST(AFault, JumpsAreReportedWithSizeAndJoint) {
   const std::function<void(Recording*)> without_velocities[] = {
       [](Recording*) {}, [](Recording* r) { r->dq.resize(0, 0); }};
   for (const auto& change : without_velocities) {
@@ -316,7 +316,7 @@ TEST(AFault, JumpsAreFoundWithSizeAndJoint) {
   }
 }
 
-TEST(AFault, AClippedTorqueIsSaturated) {
+TEST(AFault, AClippedTorqueIsReportedAsSaturated) {
   Recording r = clean_recording();
   const double limit = 0.6 * r.tau.col(0).maxCoeff();
   r.tau.col(0) = r.tau.col(0).cwiseMin(limit);
@@ -328,7 +328,7 @@ TEST(AFault, AClippedTorqueIsSaturated) {
 }
 
 // Into a limit that a slow torque reaches there is no step; two of one size give it away.
-TEST(AFault, ATorqueBetweenTwoLimitsOfOneSizeIsSaturated) {
+TEST(AFault, ATorqueClippedAtSymmetricLimitsIsReported) {
   Recording r = clean_recording();
   const VectorXd wave = (r.time.array() * 2.0).sin();
   r.tau.col(0) = wave.cwiseMin(0.8).cwiseMax(-0.8);
@@ -349,7 +349,7 @@ TEST(AFault, ATorqueBetweenTwoLimitsOfOneSizeIsSaturated) {
   }
 }
 
-TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
+TEST(AFault, ATorqueThatStaysAtZeroIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   r.tau.col(0) = (r.tau.col(0).array() - 0.6 * r.tau.col(0).maxCoeff()).cwiseMin(0.0);
   const RecordingQuality quality = check_recording(r);
@@ -359,7 +359,7 @@ TEST(AFault, ATorqueThatStaysAtZeroIsNotSaturated) {
 }
 
 // Steps of a thirtieth of the range: the largest value is one of few, and no limit.
-TEST(AFault, ATorqueOfFewBitsIsNotSaturated) {
+TEST(AFault, ACoarselyQuantisedTorqueIsNotReportedAsSaturated) {
   Recording r = clean_recording();
   for (int j = 0; j < kJoints; ++j) {
     const double step = (r.tau.col(j).maxCoeff() - r.tau.col(j).minCoeff()) / 32.0;
@@ -368,7 +368,7 @@ TEST(AFault, ATorqueOfFewBitsIsNotSaturated) {
   expect_only(check_recording(r), {});
 }
 
-TEST(AFault, RingingAtTheStartIsATransient) {
+TEST(AFault, RingingAtTheStartIsReportedAsATransient) {
   Recording r = clean_recording();
   for (int k = 0; r.time[k] < 0.6; ++k) r.tau(k, 1) += 3.0 * std::sin(60.0 * r.time[k]);
   const RecordingQuality quality = check_recording(r);
@@ -377,7 +377,7 @@ TEST(AFault, RingingAtTheStartIsATransient) {
   EXPECT_EQ(found(quality, "start_up_transient").joint, 2);
 }
 
-TEST(AFault, AClockThatRunsTwiceTooFastContradictsTheVelocities) {
+TEST(AFault, AWrongClockIsReportedWithItsFactor) {
   for (const double factor : {0.5, 0.93, 2.0}) {
     Recording r = clean_recording();
     r.time *= factor;  // dq = factor * dq/dt
@@ -390,7 +390,7 @@ TEST(AFault, AClockThatRunsTwiceTooFastContradictsTheVelocities) {
   }
 }
 
-TEST(AFault, AFactorOnOneJointIsNotTheClock) {
+TEST(AFault, AVelocityFactorOnOneJointIsNotReportedAsTheClock) {
   Recording r = clean_recording();
   r.dq.col(2) *= 1.12;
   const RecordingQuality quality = check_recording(r);
@@ -398,7 +398,7 @@ TEST(AFault, AFactorOnOneJointIsNotTheClock) {
   EXPECT_NEAR(found(quality, "velocity_scale", 3).value, 1.12, 0.005);
 }
 
-TEST(AFault, AWrongSignOfVelocityIsNamed) {
+TEST(AFault, AReversedVelocitySignIsReportedWithItsJoint) {
   Recording r = clean_recording();
   r.dq.col(1) *= -1.0;
   const RecordingQuality quality = check_recording(r);
@@ -406,7 +406,7 @@ TEST(AFault, AWrongSignOfVelocityIsNamed) {
   EXPECT_EQ(found(quality, "velocity_sign").joint, 2);
 }
 
-TEST(AFault, AVelocityThatIsAnotherSignalIsNamed) {
+TEST(AFault, AVelocityColumnHoldingAnotherSignalIsReported) {
   Recording r = clean_recording();
   r.dq.col(1) = 1.7 * r.q.col(1);
   const RecordingQuality quality = check_recording(r);
@@ -430,7 +430,7 @@ TEST(AFault, DegreesAreRecognised) {
   EXPECT_GT(found(both, "degrees", 1).share, 0.5);
 }
 
-TEST(AFault, CoarseVelocityStepsAreMeasured) {
+TEST(AFault, CoarseVelocityStepsAreReportedWithTheirSize) {
   Recording r = clean_recording();
   const double step = 0.3;
   for (int k = 0; k < kRows; ++k) r.dq(k, 0) = step * std::round(r.dq(k, 0) / step);
@@ -441,7 +441,7 @@ TEST(AFault, CoarseVelocityStepsAreMeasured) {
 }
 
 // Eight values of a torque; 32 are none too few.
-TEST(AFault, CoarseTorqueStepsAreMeasured) {
+TEST(AFault, CoarseTorqueStepsAreReportedWithTheirSize) {
   for (const double levels : {8.0, 32.0}) {
     Recording r = clean_recording();
     const double step = (r.tau.col(1).maxCoeff() - r.tau.col(1).minCoeff()) / levels;
@@ -459,7 +459,7 @@ TEST(AFault, CoarseTorqueStepsAreMeasured) {
 }
 
 // White noise of 0.03 rad/s, where 1e-5 rad of noise in the position make 1.4e-3 rad/s.
-TEST(AFault, AVelocityNoisierThanItsPositionIsMeasured) {
+TEST(AFault, AVelocityNoisierThanItsPositionIsReported) {
   Recording r = clean_recording();
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -518,7 +518,7 @@ TEST(AFault, ZeroSignalsAreReported) {
 
 // A column of zeros beside a position that moves was not recorded. The noise of a resting joint, held at one
 // pose after the other, and poses a second apart are no motion.
-TEST(AFault, VelocitiesOfZeroBesideAMotionAreWrong) {
+TEST(AFault, ZeroVelocitiesDuringAMotionAreReported) {
   Recording r = clean_recording();
   r.dq.col(1).setZero();
   const RecordingQuality quality = check_recording(r);
@@ -583,7 +583,7 @@ TEST(ALongRecording, IsCheckedToItsEndAcrossPieceBoundaries) {
 }
 
 // A step at any row around the end of the head (200,000 rows) is detected exactly once.
-TEST(ALongRecording, HidesNoJumpAtAPieceBoundary) {
+TEST(ALongRecording, JumpsAtAPieceBoundaryAreDetectedOnce) {
   Recording smooth;
   smooth.source = "long";
   smooth.time = VectorXd::LinSpaced(200100, 0.0, 200099 / kRate);
@@ -638,7 +638,7 @@ TEST_F(ARealRecording, OfTheThesisRepeatsAtTheFrequencyOfItsTable) {
   EXPECT_NEAR(found(check("psm1-thesis/fourier-5"), "stale_rows").share, 0.123, 0.001);
 }
 
-TEST_F(ARealRecording, OfForceRampsIsManyRecordingsInOneFile) {
+TEST_F(ARealRecording, OfForceRampsHasJumpsOfTheInsertion) {
   const RecordingQuality quality = check("psm1-thesis/force-ramp");
   EXPECT_NEAR(found(quality, "jumps", 3).value, -0.206, 0.001);
   EXPECT_NEAR(quality.rate, 100.0, 1e-6);
@@ -669,7 +669,7 @@ TEST_F(ARealRecording, OfTheMasterHasVelocitiesOfJoints5To7TooLarge) {
   }
 }
 
-TEST_F(ARealRecording, OfTheUr10eIsNeverAt100Hz) {
+TEST_F(ARealRecording, OfTheUr10eHasIrregularTimeAt94Hz) {
   for (const char* name :
        {"free-12harm30s-2020-02-10", "free-14harm50s-2020-02-19", "free-8harm20s-2020-02-05",
         "free-point-to-point-2020-01-17", "load-2805g-14harm50s-2020-02-19",

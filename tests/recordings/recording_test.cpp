@@ -45,7 +45,7 @@ class RecordingFile : public testing::Test {
 using AGoodFile = RecordingFile;
 using ABadFile = RecordingFile;
 
-TEST_F(AGoodFile, ColumnsGoWhereTheirNamesSayInAnyOrderAndOthersAreIgnored) {
+TEST_F(AGoodFile, ColumnsAreReadByNameInAnyOrderAndOthersIgnored) {
   const Recording r = read(
       "tau2,note,t,q1,q2,dq2,dq1,tau1,itarget1\n"
       "22,a comment,0,1,2,12,11,21,x\n"
@@ -63,7 +63,7 @@ TEST_F(AGoodFile, ColumnsGoWhereTheirNamesSayInAnyOrderAndOthersAreIgnored) {
   EXPECT_EQ(r.current.size(), 0);
 }
 
-TEST_F(AGoodFile, EverySeparatorAndLineEndMeansTheSame) {
+TEST_F(AGoodFile, EverySeparatorAndLineEndGivesTheSameRecording) {
   for (const std::string content :
        {"t,q1,tau1\n0,1,2\n1,+3e0,-4\n", "t;q1;tau1\n0;1;2\n1;3;-4\n",
         "t\tq1\ttau1\n0\t1\t2\n1\t3\t-4\n", "t q1   tau1\n 0 1 2\n1  3 -4  \n",
@@ -95,7 +95,7 @@ TEST_F(AGoodFile, WordsForMissingValuesAreGaps) {
   EXPECT_THROW(read("t,q1\n0,nothing\n"), InvalidInput);
 }
 
-TEST_F(AGoodFile, ARowWithoutAnyNumberIsKeptAndItsTimeInterpolated) {
+TEST_F(AGoodFile, TheTimeOfARowWithoutNumbersIsInterpolated) {
   const Recording r = read("t,q1\n0,5\nnan,nan\n,\n3,8\nnan,\n");
   ASSERT_EQ(r.rows(), 4);
   EXPECT_NEAR(r.time[1], 1.0, 1e-15);
@@ -104,7 +104,7 @@ TEST_F(AGoodFile, ARowWithoutAnyNumberIsKeptAndItsTimeInterpolated) {
   EXPECT_EQ(r.q(3, 0), 8.0);
 }
 
-TEST_F(AGoodFile, AbsurdAndInfiniteNumbersAreValues) {
+TEST_F(AGoodFile, AbsurdAndInfiniteNumbersAreReadAsTheyAre) {
   const Recording r = read("t,q1,q2\n0,1e305,-inf\n1,1e999,1e-999\n2,0,0\n");
   EXPECT_EQ(r.q(0, 0), 1e305);
   EXPECT_EQ(r.q(0, 1), -INFINITY);
@@ -112,7 +112,7 @@ TEST_F(AGoodFile, AbsurdAndInfiniteNumbersAreValues) {
   EXPECT_EQ(r.q(1, 1), 0.0);
 }
 
-TEST_F(AGoodFile, AllZerosCanBeRead) {
+TEST_F(AGoodFile, ARecordingOfZerosIsRead) {
   const Recording r = read("t,q1,dq1,tau1\n0,0,0,0\n1,0,0,0\n");
   EXPECT_EQ(r.tau.norm(), 0.0);
 }
@@ -141,7 +141,7 @@ TEST_F(AGoodFile, WithoutAHeaderTheOptionsNameTheColumns) {
   EXPECT_THROW(read("0 1 11 2\n0.1 3 13 4\n", options), InvalidInput);
 }
 
-TEST_F(AGoodFile, SelectedRowsAreThoseOfTheWholeFile) {
+TEST_F(AGoodFile, SelectedRowsEqualThoseOfTheWholeFile) {
   std::string content = "t,q1\n";
   for (int k = 0; k < 100; ++k) content += text(k, ",", 2 * k, "\n");
   const Recording whole = read(content);
@@ -157,7 +157,7 @@ TEST_F(AGoodFile, SelectedRowsAreThoseOfTheWholeFile) {
   }
 }
 
-TEST_F(AGoodFile, SelectedRowsEndWithinGapsToo) {
+TEST_F(AGoodFile, ASelectionMayEndWithinAGap) {
   RecordingOptions options;
   options.row_count = 3;
   const Recording r = read("t,q1\n0,5\n1,6\n,\n,\n4,8\n", options);
@@ -165,7 +165,7 @@ TEST_F(AGoodFile, SelectedRowsEndWithinGapsToo) {
   EXPECT_EQ(r.time[2], 2.0);
 }
 
-TEST_F(AGoodFile, SelectedRowsKeepTheirPlaceInTime) {
+TEST_F(AGoodFile, SelectedRowsKeepTheirTimes) {
   RecordingOptions options;
   options.columns = {"q"};
   options.rate = 10.0;
@@ -173,7 +173,7 @@ TEST_F(AGoodFile, SelectedRowsKeepTheirPlaceInTime) {
   EXPECT_EQ(read("1\n2\n3\n4\n", options).time[0], 0.2);
 }
 
-TEST_F(AGoodFile, PiecesOfAnySizeAddUpToTheWhole) {
+TEST_F(AGoodFile, ReadingInPiecesOfAnySizeGivesTheWholeFile) {
   std::string content = "t,q1,q2\n";
   for (int k = 0; k < 257; ++k)
     content += k % 50 == 7 ? ",,\n" : text(k * 0.01, ",", std::sin(k), ",", k, "\n");
@@ -210,7 +210,7 @@ TEST_F(AGoodFile, ALongFileIsReadToItsEnd) {
   }
 }
 
-TEST_F(AGoodFile, WhatIsWrittenIsReadBackToNineDigits) {
+TEST_F(AGoodFile, AWrittenFileIsReadBackToNineDigits) {
   Recording r;
   const int rows = 300;
   r.time = VectorXd::LinSpaced(rows, 0.0, 1234.567);
@@ -318,7 +318,7 @@ TEST_F(ABadFile, WithTextInANumberNamesLineAndColumn) {
   EXPECT_EQ(error_of("t,q1\n0,0x1f\n"), ":2:2: found '0x1f' in column q1, expected a number.");
 }
 
-TEST_F(ABadFile, WhoseTimeRunsBackShowsBothTimes) {
+TEST_F(ABadFile, WhoseTimeRunsBackIsRefusedWithBothTimes) {
   EXPECT_EQ(error_of("q1,t\n1,0\n2,1\n9,0.5\n"),
             ":4:2: found time 0.5 s after 1 s, expected it to grow; a second recording begins at row 2: --rows 0:2 reads what is "
             "before it, --rows 2: the rest, and --rate HZ counts the rows instead.");

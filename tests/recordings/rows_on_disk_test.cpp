@@ -80,7 +80,7 @@ class RowsReadBack : public testing::Test {
   Recording text_;
 };
 
-TEST_F(RowsReadBack, AreParsedOnceWhateverThePieces) {
+TEST_F(RowsReadBack, AreParsedOnceForAnyPieceSize) {
   KeptRecordings kept(0);  // nothing stays in memory
   EXPECT_EQ(parsed(kept, {300}), 1);
   for (const std::vector<int>& sizes : {std::vector<int>{300}, {1000}, {2000}, {7, 450, 1}, {299, 2}})
@@ -90,7 +90,7 @@ TEST_F(RowsReadBack, AreParsedOnceWhateverThePieces) {
   EXPECT_EQ(parsed(kept, {4096}, many), 0);
 }
 
-TEST_F(RowsReadBack, ReadInPartAreParsedAgain) {
+TEST_F(RowsReadBack, AreParsedAgainForAnotherSelection) {
   KeptRecordings kept(0);
   RecordingOptions some;
   some.row_count = 600;
@@ -107,7 +107,7 @@ TEST_F(RowsReadBack, AreParsedEveryTimeWhereNoFileCanBeWritten) {
   EXPECT_EQ(parsed(kept, {300}), 1);
 }
 
-TEST_F(RowsReadBack, LeaveNoFileBehind) {
+TEST_F(RowsReadBack, LeaveNoTemporaryFile) {
   const TemporaryFilesIn here(folder_.path(""));
   KeptRecordings kept(0);
   EXPECT_EQ(parsed(kept, {300}), 1);

@@ -91,7 +91,7 @@ TEST(StaleRows, AreFilledInOnTheCubicThroughTheirNeighbours) {
 
 // Positions and velocities come by one message and efforts by another: after a stale row the
 // efforts are new while the positions are still old.
-TEST(StaleRows, EverySignalIsFilledInUpToItsOwnFirstNewValue) {
+TEST(StaleRows, EachSignalIsFilledInUntilItsNextNewValue) {
   const Recording truth = waves(400);
   Recording late = truth;
   repeat(late, 100, 3);
@@ -107,7 +107,7 @@ TEST(StaleRows, EverySignalIsFilledInUpToItsOwnFirstNewValue) {
 }
 
 // Pieces end in the middle of repeats, and are shorter than they are.
-TEST(StaleRows, AreFilledInAlikeHoweverTheRecordingIsRead) {
+TEST(StaleRows, AreFilledInEquallyForAnyPieceSize) {
   Recording late = waves(700);
   for (int k = 3; k < 660; k += 11 + k % 5) repeat(late, k, 1 + k % 8);
   repeat(late, 670, 12);
@@ -125,7 +125,7 @@ TEST(StaleRows, AreFilledInAlikeHoweverTheRecordingIsRead) {
   }
 }
 
-TEST(StaleRows, WithoutVelocitiesTheyLieOnAStraightLine) {
+TEST(StaleRows, WithoutVelocitiesTheyAreInterpolatedLinearly) {
   Recording late = waves(100);
   late.dq.resize(0, 0);
   for (MatrixXd* m : {&late.q, &late.tau}) m->row(51) = m->row(50);
@@ -171,7 +171,7 @@ TEST(StaleRows, RestLongFreezesAndGapsAreNotInterpolated) {
 }
 
 // One signal alone may repeat by chance (a coarse encoder, a saturated motor).
-TEST(StaleRows, ARecordingWithoutThemPassesThroughBitForBit) {
+TEST(StaleRows, ARecordingWithoutThemIsUnchangedBitForBit) {
   Recording r = waves(5000);
   r.q = (r.q.array() / 0.02).round() * 0.02;
   r.tau.middleRows(40, 100).setConstant(2.0);

@@ -31,7 +31,7 @@ Model with_effect(const Model& arm, const std::string& effect, int joint,
 
 // Friction of the load is the load times the direction: the load is M ddq + C dq + g, one number
 // per joint, found here by inverse dynamics state by state.
-TEST(EffectAlong, TheLoadIsTheTorqueOfTheRigidBodies) {
+TEST(EffectAlong, TheLoadOfFrictionIsTheRigidBodyTorque) {
   const Model arm = with_effect(read_model("planar-2r"), "load_dependent_friction", 1);
   const MotionSamples states = random_states(arm, 50);
   const TorqueRegressor bodies(arm);
@@ -49,7 +49,7 @@ TEST(EffectAlong, TheLoadIsTheTorqueOfTheRigidBodies) {
 }
 
 // An identification without a filter and an excitation have one regressor, memories included.
-TEST(ArmColumns, AreTheRowsOfAnIdentification) {
+TEST(ArmColumns, EqualTheRegressorRowsOfAnIdentification) {
   Model arm = with_effect(read_model("planar-2r"), "presliding_hysteresis", 0);
   arm = with_effect(arm, "load_dependent_friction", 1, {{"distance", 0.01}});
   arm = with_effect(arm, "transmission_compliance", 0);
@@ -112,7 +112,7 @@ TEST(BaseParametersOfAnArm, IncludeEffectsWithAMemory) {
             1);
 }
 
-TEST(RandomStates, AreTheSameForASeedAndRestWhereTheyShould) {
+TEST(RandomStates, AreReproducibleAndKeepGivenJointsAtRest) {
   const Model arm = read_model("psm-3dof");
   const MotionSamples a = random_states(arm, 30, 5);
   const MotionSamples b = random_states(arm, 30, 5);

@@ -29,7 +29,7 @@ TEST(StandardParameters, SurviveARoundTripThroughAnArm) {
   EXPECT_FALSE(without.frames()[0].body->std_phi.has_value());
 }
 
-TEST(StandardParameters, OfAnotherNumberAreRefused) {
+TEST(StandardParameters, OfTheWrongNumberAreRefused) {
   const Model arm = read_model("planar-2r");
   const Eigen::Index count = standard_values(arm).size();
   for (const Eigen::Index wrong : {Eigen::Index{0}, count - 1, count + 1}) {
@@ -38,7 +38,7 @@ TEST(StandardParameters, OfAnotherNumberAreRefused) {
   EXPECT_TRUE(refuses_with("deviations", [&] { with_values(arm, VectorXd::Zero(count), VectorXd::Zero(count - 1)); }));
 }
 
-TEST(StandardParameters, OfBodiesWithoutValuesAreNoValues) {
+TEST(StandardParameters, OfBodiesWithoutValuesAreRefused) {
   EXPECT_TRUE(refuses_with("bodies without mass", [] { standard_values(read_model("psm-3dof")); }));
 }
 

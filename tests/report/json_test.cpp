@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(InfoJson, CoefficientsAreThoseOfTheBaseParameters) {
+TEST(InfoJson, CoefficientsEqualTheMatrixOfBaseParameters) {
   const RobotInfo info = robot_info(read_model("psm-3dof"));
   const json out = json::parse(to_json(info));
   for (int j = 0; j < info.base.size(); ++j) {
@@ -62,7 +62,7 @@ TEST(IdentificationJson, AnyFileNameGivesValidJson) {
   EXPECT_TRUE(json::accept(to_json(id)));
 }
 
-TEST(QualityJson, EveryFindingIsListedTwice) {
+TEST(QualityJson, EveryFindingIsListedPerRecordingAndInTotal) {
   RecordingQuality quality;
   quality.file = "a.csv";
   QualityFinding finding;
@@ -82,7 +82,7 @@ TEST(QualityJson, EveryFindingIsListedTwice) {
 }
 
 }  // namespace
-TEST(WatchJson, StagesOfOneChangeAreOneAlarmAndWhatWasThereBeforeIsNone) {
+TEST(WatchJson, StagesOfOneChangeCountAsOneAlarm) {
   WatchedSource watched;
   for (const auto& [id, stage] : std::vector<std::pair<int, WatchStage>>{{1, WatchStage::kPresent},
                                                                          {2, WatchStage::kSuspected},

@@ -117,7 +117,7 @@ class OpenedInMemory : public testing::Test {
   }
 };
 
-TEST_F(OpenedInMemory, NoLineCrossesAGap) {
+TEST_F(OpenedInMemory, PlottedLinesAreInterruptedAtGaps) {
   const auto gaps = [](double t) { return (t > 2.0 && t < 3.0) || (t > 5.0 && t < 5.5); };
   const OpenedPage page = open(to_page(identification({recording("gaps.csv", 800, gaps)})));
   expect_faultless(page, 800);
@@ -148,7 +148,7 @@ TEST_F(OpenedInMemory, RecordingsOfAnyLengthWithMissingValuesAreDrawn) {
 }
 
 // As built where the plot library is not installed.
-TEST_F(OpenedInMemory, WithoutThePlotLibraryCurvesAreDrawings) {
+TEST_F(OpenedInMemory, WithoutThePlotLibraryCurvesAreStillDrawn) {
   std::string page = to_page(identification({recording("test.csv", 800, nowhere)}));
   const std::string library(page_file("dygraph.js"));
   if (library.empty()) GTEST_SKIP() << "built without it: every page is tested so";
@@ -258,7 +258,7 @@ TEST_F(OpenedInMemory, AMeshThatCannotBeThinnedIsItsBoundingBox) {
   EXPECT_NEAR(*std::max_element(x.begin(), x.end()), 6.0, 0.01);
 }
 
-TEST_F(OpenedInMemory, AJointAtRestIsAPlotAndNotAFault) {
+TEST_F(OpenedInMemory, AJointAtRestIsPlottedWithoutErrors) {
   Identification id = identification({});
   for (auto* table : {&id.train[0].series.q, &id.train[0].series.dq, &id.train[0].series.ddq}) {
     for (double& v : (*table)[1]) v = 0.0;
@@ -316,7 +316,7 @@ TEST_F(OpenedInMemory, ChangesAndExcludedRowsAreShown) {
 }
 
 // What a joint's torque takes from another one is drawn over the torque that it is a share of.
-TEST(DiagnosisJson, SmallFindingsAreAListOfTheirOwnUnlessAllAreListed) {
+TEST(DiagnosisJson, SmallFindingsAreListedSeparatelyUnlessAllAreRequested) {
   Diagnosis d = diagnosis();
   d.findings.push_back(d.findings.front());
   d.findings.back().main = false;
@@ -328,7 +328,7 @@ TEST(DiagnosisJson, SmallFindingsAreAListOfTheirOwnUnlessAllAreListed) {
   }
 }
 
-TEST(DiagnosisPage, CrosstalkIsDrawnOverTheTorqueThatItComesFrom) {
+TEST(DiagnosisPage, CrosstalkIsPlottedOverTheTorqueOfItsSource) {
   Diagnosis d = diagnosis();
   EXPECT_EQ(series_of(to_page(d))["causes"], json({"q2"}));
   d.findings[0].cause = ChannelError{"torque_crosstalk", JointIndex{1}};
@@ -350,7 +350,7 @@ TEST_F(OpenedInMemory, AResultWithoutFindingsIsStated) {
 }
 
 // A fault must not pass for an empty plot.
-TEST_F(OpenedInMemory, AFaultIsCountedAndShown) {
+TEST_F(OpenedInMemory, AScriptErrorIsCountedAndShown) {
   const OpenedPage page =
       open(to_page(diagnosis()),
            "page.dispatchEvent(new page.ErrorEvent('error', {message: 'planted'}));");
@@ -395,7 +395,7 @@ TEST(PageSeries, TheExtendedModelIsDrawnAtTheSamplesOfTheRecording) {
   expect_curve(d);
 }
 
-TEST(PageSeries, LongRecordingsAreThinnedAndDigitsSuffice) {
+TEST(PageSeries, LongRecordingsAreThinnedWithoutLossOfPrecision) {
   const Identification id = identification({recording("long.csv", 20000, nowhere)});
   const json shown = series_of(to_page(id))["recordings"][0];
   EXPECT_GT(shown["time"].size(), 2000u);
@@ -406,7 +406,7 @@ TEST(PageSeries, LongRecordingsAreThinnedAndDigitsSuffice) {
   }
 }
 
-TEST(PageSeries, ManyRecordingsStayWithinAPage) {
+TEST(PageSeries, APageOf200RecordingsStaysBelowTwoMegabytes) {
   std::vector<RecordingError> many;
   for (int k = 0; k < 200; ++k) {
     many.push_back(recording("test-" + std::to_string(k) + ".csv", 6000, nowhere));

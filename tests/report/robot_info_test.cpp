@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-TEST(RobotInfoText, FitsATerminalUnlessOneWordDoesNot) {
+TEST(RobotInfoText, LinesHaveAtMost120Characters) {
   for (const std::string& robot : robot_names()) {
     std::istringstream lines(robot_info(read_model(robot)).report());
     for (std::string line; std::getline(lines, line);) {

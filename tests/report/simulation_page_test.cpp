@@ -100,7 +100,7 @@ TEST_F(SimulationPage, AReplayShowsMotionTorqueAndResidual) {
             std::string::npos);
 }
 
-TEST_F(SimulationPage, ABreakawayShowsBothCurves) {
+TEST_F(SimulationPage, ABreakawayShowsRecordedAndSimulatedCurves) {
   const Model arm = read_model("psm-3dof");
   ReplayInput in;
   in.motion.time = VectorXd::LinSpaced(kRows, 0.0, kStep * (kRows - 1));

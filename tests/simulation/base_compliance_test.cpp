@@ -41,7 +41,7 @@ MotionSamples slow_waves(int rows, double dt, unsigned seed = 0) {
   return with_derivatives(m);
 }
 
-TEST(BaseCompliance, SurvivesARobotFileRoundTripAndAddsTwoStates) {
+TEST(BaseCompliance, IsKeptByARobotFileAndAddsTwoCoordinates) {
   const Model soft = on_soft_base(2e-4, 1e-4);
   ASSERT_EQ(soft.arm_effects().size(), 1U);
   EXPECT_DOUBLE_EQ(soft.arm_effects()[0].values.at("about_x"), 2e-4);
@@ -55,7 +55,7 @@ TEST(BaseCompliance, SurvivesARobotFileRoundTripAndAddsTwoStates) {
 
 // At rest the columns times the compliance are what an engine in balance needs beyond the stiff arm,
 // to second order in the turn of the base.
-TEST(BaseCompliance, ColumnsMatchTheStatesAtRest) {
+TEST(BaseCompliance, ColumnsEqualTheExtraTorquesOfAnElasticBaseAtRest) {
   const VectorXd q = VectorXd::LinSpaced(6, 0.2, 0.8), rest = VectorXd::Zero(6);
   double before = 0.0;
   for (const double c : {2.0 * kCompliance, kCompliance}) {
@@ -83,7 +83,7 @@ TEST(BaseCompliance, ColumnsMatchTheStatesAtRest) {
 
 // In motion, below the resonance of arm and base (7 Hz): what the motors of a controlled arm gave
 // beyond the stiff arm's torques, beside what the columns say of its motion.
-TEST(BaseCompliance, ColumnsMatchTheStatesInMotion) {
+TEST(BaseCompliance, ColumnsEqualTheExtraTorquesOfAnElasticBaseInMotion) {
   constexpr double kStep = 0.005;  // [s]
   ControlledOptions options;
   options.recording.hidden = {parse_hidden_effect("base_compliance:arm:about_x=1e-4,about_y=1e-4")};

@@ -44,7 +44,7 @@ Model with_coulomb(double level) {
 }
 
 // A block gives way at its level, and a model with half the level at half.
-TEST(Breakaway, IsTheLevelOfCoulombFriction) {
+TEST(Breakaway, EqualsTheLevelOfCoulombFriction) {
   const double level = 1.2;
   const Model arm = with_coulomb(level);
   const ReplayInput input = recorded_ramps(arm, 4, 0.0);

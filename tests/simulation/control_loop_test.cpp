@@ -43,7 +43,7 @@ TEST(ControlLoop, TheIntegralTermConvergesToTheWeightWithoutFriction) {
   EXPECT_TRUE(near(done.run.motion.q.row(last), wanted.q.row(last), 1e-6));
 }
 
-TEST(ControlLoop, MotorsKeepToTheirLimitTheirStepsAndTheirLag) {
+TEST(ControlLoop, MotorTorquesHaveTheirLimitResolutionAndLag) {
   const Model arm = planar_2r();
   const MotionSamples wanted = slow_waves(VectorXd::Constant(2, 0.1), 0.4, 3.0);
   ControlledOptions options;
@@ -100,7 +100,7 @@ class Fragile final : public Engine {
   Plant plant_;
 };
 
-TEST(ControlLoop, AStoppedRunKeepsItsRowsAndReportsThePlace) {
+TEST(ControlLoop, AStoppedRunKeepsItsRowsAndReportsTimeAndJoint) {
   const Model arm = planar_2r();
   Fragile engine(arm);
   LoopOptions loop;
@@ -115,7 +115,7 @@ TEST(ControlLoop, AStoppedRunKeepsItsRowsAndReportsThePlace) {
 }
 
 // At 50 Hz, motors under rows at 200 Hz hold what they give for four rows.
-TEST(ControlLoop, AControllerMayBeSlowerThanTheRows) {
+TEST(ControlLoop, ASlowerControllerHoldsItsTorqueBetweenItsCycles) {
   const Model arm = planar_2r();
   ControlledOptions options;
   options.loop.rate = 50.0;
@@ -129,7 +129,7 @@ TEST(ControlLoop, AControllerMayBeSlowerThanTheRows) {
 }
 
 // What the controller sees is too old: each swing becomes larger than the one before.
-TEST(ControlLoop, AnArmThatRunsAwayIsStopped) {
+TEST(ControlLoop, ADivergingArmIsStopped) {
   const Model arm = planar_2r();
   ControlledOptions options;
   options.loop.sensors.delay = 0.5;
@@ -142,7 +142,7 @@ TEST(ControlLoop, AnArmThatRunsAwayIsStopped) {
   EXPECT_NE(run.stop_reason(arm).find("more than ten times its range"), std::string::npos) << run.stop_reason(arm);
 }
 
-TEST(ControlLoop, GainsComeFromAFile) {
+TEST(ControlLoop, GainsAreReadFromAFile) {
   const Model arm = planar_2r();
   const std::string path = testing::TempDir() + "gains.yaml";
   std::ofstream(path) << "p: [200, 100]\ni: [1, 2]\n";

@@ -75,7 +75,7 @@ TEST(HiddenEffect, ContactActsDuringItsTimeOnly) {
 
 // A point mass at a place of its frame is a body there; its torque follows from the parallel-axis
 // terms alone.
-TEST(HiddenEffect, PayloadIsABodyOfItsOwn) {
+TEST(HiddenEffect, PayloadHasTheTorquesOfAPointMass) {
   const Model arm = read_model("planar-2r");
   const MotionSamples m = waves(2);
   const MatrixXd d = change(arm, "payload:fore:mass=0.5");
@@ -120,7 +120,7 @@ TEST(HiddenEffect, TiltTurnsGravityInTheBase) {
 }
 
 // A number of a frame's row, a ratio of a coupled joint, and a joint's zero.
-TEST(HiddenEffect, NumbersOfRowsAndZerosAreConstantsToo) {
+TEST(HiddenEffect, DhNumbersAndEncoderZerosCanBeChanged) {
   const Model arm = plausible_model(read_model("planar-2r"), 1).arm;
   const VectorXd q = VectorXd::Constant(2, 0.3);
   const VectorXd rest = VectorXd::Zero(2);
@@ -146,7 +146,7 @@ TEST(HiddenEffect, NumbersOfRowsAndZerosAreConstantsToo) {
 }
 
 // Frames without rows, as those of a URDF: an origin is shifted along the parent's axes.
-TEST(HiddenEffect, NumbersOfAnOriginAreConstantsToo) {
+TEST(HiddenEffect, NumbersOfAFrameOriginCanBeChanged) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 1).arm.description();
   for (Frame& frame : d.frames) frame.dh.reset();
   const Model arm(std::move(d));
@@ -191,7 +191,7 @@ TEST(HiddenEffect, EveryEffectActsOnItsJointAlone) {
 
 // The rms of a sign is one. Gravity makes most of the shoulder's effort, so it is much the same on
 // any slow motion.
-TEST(HiddenEffect, SizesThatAreNotGivenAreATenthOfTheEffort) {
+TEST(HiddenEffect, DefaultSizesAreATenthOfTheEffort) {
   const Model arm = read_model("elbow-6r");
   const double level = simulated(arm, {"coulomb_friction:shoulder"}).injected[0].values.at("level");
   EXPECT_NEAR(level / rms(simulated(arm, {}).tau.col(1)), 0.1, 0.05);
@@ -199,7 +199,7 @@ TEST(HiddenEffect, SizesThatAreNotGivenAreATenthOfTheEffort) {
 
 // Rows at 4 Hz with 50 substeps against rows at 200 Hz: quintics through position, velocity and
 // acceleration of waves below 3 rad/s are right to (h / 2)^6 * 3^6 / 720 of 0.1 rad: 1e-6 rad.
-TEST(HiddenEffect, MemoryFollowsTheMotionBetweenRows) {
+TEST(HiddenEffect, HysteresisIsIntegratedBetweenRows) {
   const Model arm = read_model("planar-2r");
   const MotionSamples fine = waves(2);
   const auto coarse = Eigen::seqN(0, 41, 50);
@@ -217,7 +217,7 @@ TEST(HiddenEffect, MemoryFollowsTheMotionBetweenRows) {
   EXPECT_TRUE(near(tau, expected, 1e-3));
 }
 
-TEST(HiddenEffect, SizesDependOnTheArmAndNotOnTheMotion) {
+TEST(HiddenEffect, DefaultSizesDependOnTheArmAndNotOnTheMotion) {
   const Model arm = read_model("scara");
   SimulationOptions options;
   options.hidden = {parse_hidden_effect("coulomb_friction:1")};
@@ -253,7 +253,7 @@ bool says(const std::string& effect, const std::string& words) {
   return found;
 }
 
-TEST(HiddenEffect, MistakesAreNamedWithASuggestion) {
+TEST(HiddenEffect, InvalidRequestsAreRefusedWithASuggestion) {
   EXPECT_TRUE(says("viscos_friction:1", "did you mean 'viscous_friction'?"));
   EXPECT_TRUE(says("viscous_friction", "found no place"));
   EXPECT_TRUE(says("viscous_friction:yav", "did you mean 'yaw'?"));

@@ -27,7 +27,7 @@ Model light_arm(double I) {
   return Model(std::move(d));
 }
 
-TEST(Infeasibility, PosesAreSpreadOverTheWholeRange) {
+TEST(Infeasibility, AnIndefiniteMassMatrixAnywhereInTheRangeIsFound) {
   EXPECT_EQ(infeasibility(light_arm(1.001)), "");
   const std::string trouble = infeasibility(light_arm(0.999));
   EXPECT_NE(trouble.find("is not positive definite"), std::string::npos) << trouble;

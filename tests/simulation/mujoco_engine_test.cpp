@@ -89,7 +89,7 @@ TEST(MujocoEngine, FrictionThatDecaysWithinAStepIsStable) {
 }
 
 // A caller's long step is made of steps of a millisecond.
-TEST(MujocoEngine, ALongStepIsManyShortOnes) {
+TEST(MujocoEngine, ALongStepEqualsStepsOfAMillisecond) {
   const Model arm = sample_arms().at("planar_2R");
   const auto far = make_engine("mujoco", arm), near_by = make_engine("mujoco", arm);
   const VectorXd start = Eigen::Vector2d(0.3, -0.8), speed = Eigen::Vector2d(4.0, -3.0), tau = Eigen::Vector2d(0.5, 0.1);

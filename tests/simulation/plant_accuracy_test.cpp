@@ -40,7 +40,7 @@ TEST(Plant, MotionDoesNotDependOnTheStep) {
 }
 
 // The error falls with the tolerance, and is of its size.
-TEST(Plant, ToleranceGovernsTheError) {
+TEST(Plant, TheErrorFallsWithTheTolerance) {
   const Model arm =
       with_effects(planar_2r(), {effect(planar_2r(), "joint_spring", 0, {{"stiffness", 4000.0}}),
                                  effect(planar_2r(), "joint_spring", 1, {{"stiffness", 900.0}})});
@@ -68,7 +68,7 @@ TEST(Plant, ToleranceGovernsTheError) {
 }
 
 // One substep a step: halving it divides the error by 2^4, whichever way the stages are evaluated.
-TEST(Plant, IsOfOrderFour) {
+TEST(Plant, TheIntegrationErrorIsOfFourthOrder) {
   for (const char* name : {"psm-3dof", "psm-wrist", "ur10e"}) {
     const Model full = robot(name);
     const int n = full.joints();

@@ -41,7 +41,7 @@ struct InverseDynamics {
   std::vector<BoundEffect> effects;
 };
 
-TEST(Plant, InverseDynamicsOfItsMotionReturnTheTorque) {
+TEST(Plant, InverseDynamicsOfItsMotionReturnTheAppliedTorque) {
   for (const char* name : {"psm-3dof", "psm-wrist"}) {
     Model arm = robot(name);
     std::vector<EffectTerm> effects = arm.effects();
@@ -153,7 +153,7 @@ TEST(Plant, NothingIsAllocatedInAStep) {
   EXPECT_EQ(malloc_count(), before);
 }
 
-TEST(Plant, NonFiniteNumbersStopItAndNameTheJoint) {
+TEST(Plant, ANonFiniteTorqueStopsItAndNamesTheJoint) {
   const Model arm = robot("psm-3dof");
   Plant plant(arm);
   VectorXd tau = VectorXd::Zero(3);

@@ -57,7 +57,7 @@ TEST(PlausibleModel, TheSameSeedGivesTheSameArm) {
   EXPECT_NE(to_yaml(plausible_model(robot, 5).arm), to_yaml(plausible_model(robot, 6).arm));
 }
 
-TEST(PlausibleModel, ValuesOfTheFileStay) {
+TEST(PlausibleModel, ValuesOfTheRobotFileAreKept) {
   const Model robot = read_model("scara");
   const PlausibleModel plausible = plausible_model(robot, 1);
   EXPECT_EQ(plausible.bodies + plausible.effects, 0);

@@ -101,7 +101,7 @@ std::pair<int, int> rows_and_runs(Eigen::Index rows, const Bad& bad) {
   return out;
 }
 
-TEST(SensorNoise, FaultsComeInRunsOfTheirMeanLength) {
+TEST(SensorNoise, StaleRowsAndDropoutsHaveTheirMeanRunLength) {
   SensorNoise noise;
   noise.stale_rows = 0.2;
   noise.stale_run = 4.0;
@@ -148,7 +148,7 @@ TEST(SensorNoise, ADelayShiftsEverySignal) {
 }
 
 // A row that is late by d shows a position that is off by d times the velocity.
-TEST(SensorNoise, LateRowsDeviateAlongTheMotion) {
+TEST(SensorNoise, LateRowsDeviateByDelayTimesVelocity) {
   SensorNoise noise;
   noise.late = 1e-3;
   const SimulatedRecording s = with(noise);
@@ -172,7 +172,7 @@ TEST(SensorNoise, LateRowsDeviateAlongTheMotion) {
 // Velocity and acceleration are derivatives, by central differences. At most 5 mrad of waves with
 // omega below 3.2 and a fade with derivatives below 6, 60 and 360 have third derivatives below 1
 // and fourth ones below 10. The fade's third derivative jumps where it begins and ends.
-TEST(SensorNoise, TheTrackingDeviationIsASmoothMotion) {
+TEST(SensorNoise, DerivativesOfTheTrackingDeviationAreConsistent) {
   SensorNoise noise;
   noise.tracking = {1e-3, 1e-4};
   const SimulatedRecording s = with(noise);
@@ -222,7 +222,7 @@ TEST(SensorNoise, EveryPresetIsDescribed) {
   EXPECT_THROW(sensor_noise("lo"), InvalidInput);
 }
 
-TEST(SensorNoise, AmountsFollowThePreset) {
+TEST(SensorNoise, GivenAmountsOverrideThePreset) {
   const SensorNoise noise = sensor_noise("dvrk:stale_rows=0.3,delay=5e-3,dropouts=1/100");
   EXPECT_EQ(noise.stale_rows, 0.3);
   EXPECT_EQ(noise.delay, 5e-3);

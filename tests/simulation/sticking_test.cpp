@@ -15,7 +15,7 @@ Model rough_slide(double level) {
 }
 
 // v = v0 - L t / m until it stands, after v0^2 m / (2 L); then for ever.
-TEST(Sticking, ASlidingBlockStopsWhereTheClosedFormSays) {
+TEST(Sticking, ASlidingBlockStopsAtTheClosedFormDistance) {
   const double level = 2.0;
   const Model arm = rough_slide(level);
   const double m = mass_of(arm);
@@ -102,7 +102,7 @@ TEST(Sticking, ASpringMassLosesTheSameAmountInEveryHalfSwing) {
 
 // Many axes that depend on each other, all at rest. They hold a torque t e_6 if and only if it lies
 // in the sum of their intervals, that is if t u_6 <= sum L_k |c_k . u| for every direction u.
-TEST(Sticking, CoupledAxesBreakAwayAtTheSupportOfTheirSum) {
+TEST(Sticking, CoupledAxesBreakAwayAtTheBoundOfTheirSummedLevels) {
   const Model full = robot("psm-wrist");
   std::vector<EffectTerm> kept;
   double held = 0.0;
@@ -156,7 +156,7 @@ TEST(Sticking, CoupledAxesBreakAwayAtTheSupportOfTheirSum) {
 }
 
 // Friction with memory: after a reversal the force follows Dahl's closed form over the way.
-TEST(Sticking, PreslidingFollowsItsClosedForm) {
+TEST(Sticking, PreslidingMotionFollowsItsClosedForm) {
   const double level = 0.5;
   const double distance = 1.5e-4;
   const Model arm = with_effects(
@@ -190,7 +190,7 @@ TEST(Sticking, PreslidingFollowsItsClosedForm) {
 
 // Frictions with a direction: between minus and plus the rest
 // speed the force is a straight line, beyond it bends off.
-TEST(Sticking, EveryEffectDeclaresWhetherItIsDryFriction) {
+TEST(Sticking, EveryEffectThatSaturatesIsDeclaredDryFriction) {
   for (const AxisEffect* effect : axis_effects()) {
     const std::vector<EffectShape> shapes = effect->shapes();
     ShapeValues shape{};

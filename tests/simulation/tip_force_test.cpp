@@ -51,7 +51,7 @@ TEST(TipForce, IsWrittenToFilesAndReportedIfAnEngineOmitsIt) {
   EXPECT_EQ(left_out[0], "tip_force on the arm: it acts at a frame and along no axis");
 }
 
-TEST(TipForce, IsFoundOnlyIfPresent) {
+TEST(TipForce, IsDiagnosedOnlyIfPresent) {
   for (const bool there : {true, false}) {
     std::vector<Recording> rows;
     for (const unsigned seed : {1U, 2U, 3U}) {

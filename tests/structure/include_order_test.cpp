@@ -69,7 +69,7 @@ std::string wrong_includes(const fs::path& file, const std::string& own) {
   return wrong.str();
 }
 
-TEST(IncludeOrder, IncludesPointDownTheLayers) {
+TEST(IncludeOrder, EveryIncludePointsToALowerLayer) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   int files = 0;
   for (const fs::path& top : {root / "include/veridyn", root / "src"}) {
@@ -180,7 +180,7 @@ std::string parts_in_circles(const Parts& parts) {
   return out;
 }
 
-TEST(IncludeOrder, PartsOfAFolderHaveNoCycles) {
+TEST(IncludeOrder, PartsOfAFolderIncludeEachOtherWithoutCycles) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   Parts parts;
   for (const fs::path& top : {root / "include/veridyn", root / "src"}) {

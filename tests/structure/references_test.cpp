@@ -47,7 +47,7 @@ std::set<std::string> entries(const std::string& page) {
 }
 
 // Every citation of the thesis leads to an entry of docs/thesis.md, so that a reader can resolve it.
-TEST(References, TheThesisIsCitedWhereItsNotesHaveAnEntry) {
+TEST(References, EveryCitationOfTheThesisHasAnEntryInItsNotes) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   const std::set<std::string> known = entries(content_of(root / "docs/thesis.md"));
   int citations = 0;

@@ -19,7 +19,7 @@ TEST(Thresholds, TheTableHasAReasonForEveryNumber) {
   EXPECT_EQ(names.size() * sizeof(double), sizeof(Thresholds)) << "a number is not in the table";
 }
 
-TEST(Thresholds, AreFoundByNameAndNearNamesAreProposed) {
+TEST(Thresholds, AreFoundByNameAndASimilarNameIsSuggested) {
   EXPECT_EQ(veridyn::find_threshold("tie").value, &veridyn::Thresholds::tie);
   try {
     veridyn::find_threshold("smalest_gain");

@@ -99,7 +99,7 @@ TEST(CrtkArm, SensorErrorsOfTheModelAreCorrected) {
   }
 }
 
-TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
+TEST(CrtkArm, OperatingStatesFollowTheCrtkStateMachine) {
   Rig rig;
   EXPECT_EQ(rig.arm.state(), OperatingState::kDisabled);
   EXPECT_EQ(rig.execute_command(Kind::kPause), Refusal::kInvalidTransition);
@@ -121,7 +121,7 @@ TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   EXPECT_EQ(rig.tau.norm(), 0.0);
 }
 
-TEST(CrtkArm, HoldsAfterAMove) {
+TEST(CrtkArm, MoveJpEndsInHoldAtItsGoal) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   ASSERT_EQ(rig.execute_command(Kind::kMoveJp, near_by()), Refusal::kNone);
@@ -134,7 +134,7 @@ TEST(CrtkArm, HoldsAfterAMove) {
 }
 
 // Motors that get their power a second after enable: no motion starts meanwhile, and nothing jumps afterwards.
-TEST(CrtkArm, WaitsForTheMotorsPower) {
+TEST(CrtkArm, NoMotionStartsBeforeTheMotorsHavePower) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   VectorXd q = rig.plant.q(), still = VectorXd::Zero(3);
@@ -152,7 +152,7 @@ TEST(CrtkArm, WaitsForTheMotorsPower) {
 }
 
 // Messages delayed by the network arrive in a burst: the arm follows within its speed limits.
-TEST(CrtkArm, FollowsABurstOfMessages) {
+TEST(CrtkArm, ABurstOfDelayedMessagesIsFollowedWithinTheSpeedLimits) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   rig.run(0.1);
@@ -177,7 +177,7 @@ TEST(CrtkArm, FollowsABurstOfMessages) {
 }
 
 // move_cp reaches a pose taken from the feedback.
-TEST(CrtkArm, GoesToAPoseInTheBase) {
+TEST(CrtkArm, MoveCpReachesItsPoseAndRefusesUnreachableOnes) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   veridyn::TipKinematics tip(psm(), {"tool"});
@@ -194,7 +194,7 @@ TEST(CrtkArm, GoesToAPoseInTheBase) {
 }
 
 // 100 ms without a command: held. 1 s: the arm yields, and a push of a newton moves it.
-TEST(CrtkArm, HoldsWhenAStreamStopsAndThenReleases) {
+TEST(CrtkArm, AStoppedStreamIsHeldAfter100MillisecondsAndReleasedAfterOneSecond) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   rig.stream_to(near_by(), 0.5);
@@ -254,7 +254,7 @@ TEST(CrtkArm, OneClientStreamsAtATime) {
 }
 
 // A twist moves the tip by velocity times time; efforts come on top of gravity.
-TEST(CrtkArm, FollowsTwistsAndEfforts) {
+TEST(CrtkArm, ATwistMovesTheTipAndZeroEffortHoldsTheArm) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   rig.run(0.2);
@@ -277,7 +277,7 @@ TEST(CrtkArm, FollowsTwistsAndEfforts) {
 }
 
 // Positions that are old, or no numbers, are a fault; the torque stays finite.
-TEST(CrtkArm, BadSensorsAreAFault) {
+TEST(CrtkArm, NonFinitePositionsAreAFaultAndTheTorqueStaysFinite) {
   Rig rig;
   rig.execute_command(Kind::kEnable);
   rig.run(0.1);
@@ -291,7 +291,7 @@ TEST(CrtkArm, BadSensorsAreAFault) {
   EXPECT_EQ(rig.arm.state(), OperatingState::kEnabled);
 }
 
-TEST(LockFree, TheNewestIsReadOnceAndAQueueKeepsItsOrder) {
+TEST(LockFree, ASnapshotIsReadOnceAndAQueueKeepsItsOrder) {
   Snapshot<int> newest;
   int x = 0;
   EXPECT_FALSE(newest.read(x));

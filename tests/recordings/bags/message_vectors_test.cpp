@@ -71,7 +71,7 @@ TEST_P(InEitherSerialisation, AJointStateHasItsValues) {
   EXPECT_EQ(m.numbers.at("effort"), (std::vector<double>{10, 20, 30}));
 }
 
-TEST_P(InEitherSerialisation, EmptyArraysAreNone) {
+TEST_P(InEitherSerialisation, EmptyArraysGiveNoSignal) {
   const Decoded m = read("JointStatePosOnly", "sensor_msgs/msg/JointState");
   EXPECT_EQ(m.texts.at("header/frame_id").front(), "");
   EXPECT_EQ(m.numbers.at("position"), (std::vector<double>{1, -2}));
@@ -120,7 +120,7 @@ TEST(ACdrMessage, OfSmallTypesHasItsValues) {
 }
 
 // Every prefix of every message ends early, and says so.
-TEST(AMessageThatIsCut, IsRefused) {
+TEST(ATruncatedMessage, AtAnyByteIsRefused) {
   for (const char* file : {"ros1_JointState.bin", "cdr_JointState.bin", "cdr_Float64MultiArray.bin"}) {
     const bool ros2 = file[0] == 'c';
     const std::string type =
@@ -153,7 +153,7 @@ TEST(ADefinition, IsReadWithConstantsDefaultsBoundsAndDependencies) {
                                                   "parts/header/frame_id"}));
 }
 
-TEST(ADefinition, ThatIsRecursiveIsRefused) {
+TEST(ADefinition, ThatIsRecursiveOrIncompleteIsRefused) {
   EXPECT_ANY_THROW(plan_of("a/B", "B[] again\n", false));
   EXPECT_ANY_THROW(plan_of("a/B", "Unknown it\n", false));
 }
@@ -167,7 +167,7 @@ TEST(ADefinition, WithTwoFieldsOfOneNameIsNotDecoded) {
   EXPECT_EQ(once.problem(), "");
 }
 
-TEST(AnLz4Frame, IsUnpacked) {
+TEST(AnLz4Frame, IsDecompressedUpToTheGivenSize) {
   const Inflated repeated = inflate("lz4", bytes_of_file(sample("vectors/roslz4_abcd10.lz4")), 1000);
   EXPECT_TRUE(repeated.whole);
   EXPECT_EQ(repeated.bytes, "abcdabcdabcdabcdabcdabcdabcdabcdabcdabcd");
@@ -200,7 +200,7 @@ Heard hear(const std::string& file) {
   return heard;
 }
 
-TEST(ASmallContainer, HasItsChannelAndItsMessage) {
+TEST(ASmallContainer, IsReadWithItsChannelAndItsMessage) {
   const Heard bag = hear("mini_ros1.bag");
   ASSERT_EQ(bag.channels.size(), 1u);
   EXPECT_EQ(bag.channels[0].topic, "/a");

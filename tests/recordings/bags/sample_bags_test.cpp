@@ -81,7 +81,7 @@ TEST_P(OnEverySampleBag, JointsHaveTheRequestedOrder) {
             "joints matched: shoulder_pan = shoulder_pan_joint, elbow = elbow_joint");
 }
 
-TEST(ABagOfTheCppWriter, HasNoTopicInItsInnerHeadersAndNoEfforts) {
+TEST(ABagOfTheCppWriter, IsReadWithoutTopicsInChunksAndWithoutEfforts) {
   const Recording r = read_recording(sample("ros1_cpp_lz4.bag"));
   ASSERT_EQ(r.rows(), 50);
   for (int k = 0; k < 50; ++k) {
@@ -94,7 +94,7 @@ TEST(ABagOfTheCppWriter, HasNoTopicInItsInnerHeadersAndNoEfforts) {
 }
 
 // Two publishers on one topic, a stamp of zero, one that repeats, one message recorded early.
-TEST(ABagWithTwoPublishersOnATopic, KeepsTheirJointsApart) {
+TEST(ABagWithTwoPublishersOnATopic, JointsOfBothPublishersAreSeparate) {
   RecordingOptions options;
   options.signals.joints = {{"a1", false}, {"a2", false}, {"a3", false}};
   RecordingReader reader(sample("ros1_edge.bag"), options);
@@ -154,7 +154,7 @@ TEST(ABag, NamesItsTopicsWhereOneIsMissing) {
       << error;
 }
 
-TEST(ABag, GivesAnyFieldByMap) {
+TEST(ABag, AnyNumericFieldCanBeMappedToASignal) {
   RecordingOptions options;
   options.signals.joints = {{"a1", false}, {"a2", false}, {"a3", false}};
   options.signals.map = {{"tau2", "/tool/wrench/wrench/force/z"}};

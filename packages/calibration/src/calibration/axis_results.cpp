@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 1e-6;                // [rad], [m] of the differences
+constexpr double kStep = 1e-6;                // [rad], [m] step of the differences
 constexpr double kSamePlace = 0.5 * kDegree;  // range within which the joints above count as resting
 constexpr double kSweepShare = 0.5;  // share of a joint's range that it must cover during that rest
 constexpr std::size_t kFewestAtRest = 10;

@@ -26,7 +26,7 @@ double trimmed_rms(std::vector<double> squares) {
   return std::sqrt(sum / static_cast<double>(kept));
 }
 
-// Computes the residuals of an axis.
+// Computes wobble, play and slide of an axis from the relative poses.
 void measure(const Isometries& T_a_b, CommonAxis& axis) {
   std::vector<double> wobble;
   std::vector<double> play;

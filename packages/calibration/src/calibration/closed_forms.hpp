@@ -15,7 +15,7 @@ using Isometries = std::vector<Eigen::Isometry3d>;
 /// The vector w with R = exp([w]x), |w| <= pi.
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R);
 
-/// exp([w]x). Source: Rodrigues.
+/// Rotation exp([w]x) by a rotation vector [rad], by the formula of Rodrigues.
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& w);
 
 /// The inverse of the left Jacobian of SO(3): log(exp(d) exp(w)) = w + J d for small d.

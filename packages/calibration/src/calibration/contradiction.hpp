@@ -9,7 +9,7 @@ namespace veridyn::internal {
 /// Residuals of a fit over its own poses.
 struct LeftOver {
   int outliers = 0;    ///< poses that the fit does not describe
-  double rms = 0.0;    ///< [m] of positions, without outliers
+  double rms = 0.0;    ///< [m] rms residual of positions, without outliers
   double angle = 0.0;  ///< [rad] the same for orientations; 0 if they are not used
 };
 

@@ -14,7 +14,7 @@ namespace veridyn::internal {
 /// outliers.
 double robust_deviation(std::vector<double> values);
 
-/// The same of 3-vectors from their lengths: the deviation of one component.
+/// Standard deviation of one component of 3-vectors, from their lengths; equally robust.
 double robust_deviation_of_lengths(std::vector<double> lengths);
 
 /// The distance that an error with this covariance exceeds in 5 of 100 cases: the norm of a normal vector, by

@@ -23,7 +23,7 @@ constexpr double kCloseTurn = 2.0 * kDegree;
 // Orientations with a larger difference do not correspond.
 constexpr double kNoTurn = 5.0 * kDegree;
 
-// Fewest unknowns first.
+// In the order of their number of unknowns.
 constexpr HandEyeForm kForms[] = {HandEyeForm::kCommonPoses, HandEyeForm::kHandEye,
                                   HandEyeForm::kEyeInHand, HandEyeForm::kTwoBases,
                                   HandEyeForm::kCommonPoints};

@@ -175,7 +175,7 @@ Residual HingeBundle::residual(const Seen& seen) const {
 void HingeBundle::fit() {
   problem_.minimise(options_.threads, 30);
   if (!closed_.empty()) {
-    // Before outliers are excluded: a loop that is closed too tightly turns correct positions into outliers.
+    // Play is estimated before outliers are excluded: in a loop closed too tightly correct positions are outliers.
     information_ = std::make_unique<Information>(problem_);
     estimate_play(Spread::kRobust);
   }

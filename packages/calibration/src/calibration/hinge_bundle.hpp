@@ -18,8 +18,6 @@ namespace veridyn::internal {
 /// with the hinges from the root to its body. G_k moves the root, or is the identity if the root rests. A
 /// hinge that closes a loop has its own line, which at every frame has to be the same through either of its
 /// bodies, within its play.
-/// rests. A hinge that closes a loop has a line of its own, which at every frame is the same one
-/// through either of its bodies, within its play.
 class HingeBundle {
  public:
   HingeBundle(const MarkerCapture& capture, const std::vector<RigidBody>& bodies,
@@ -41,10 +39,10 @@ class HingeBundle {
   double play(int hinge) const;
   int frames() const { return static_cast<int>(frames_.size()); }
   int outliers() const { return outliers_; }
-  double noise() const { return noise_; }  ///< [m] of one coordinate
+  double noise() const { return noise_; }  ///< [m] standard deviation of one coordinate
   double correlation() const { return correlation_; }
   double degrees_of_freedom() const { return degrees_of_freedom_; }
-  std::vector<double> residuals() const;  ///< [m]
+  std::vector<double> residuals() const;  ///< [m] one per coordinate of every marker
 
   /// Hinge j at the reference, with shared unknowns displaced by `step` (empty: none).
   Line line(int hinge, const VectorXd& step = {}) const;
@@ -78,7 +76,7 @@ class HingeBundle {
   void reject_outliers();
   void finish();
   double closure_leverage(const Observation& o, int frame) const;
-  enum class Spread { kRobust, kMeanSquare };  // of a loop's gaps; the first one tolerates outliers
+  enum class Spread { kRobust, kMeanSquare };  // estimator of the spread of a loop's gaps; kRobust tolerates outliers
   bool estimate_play(Spread spread);
   void close_loops();
   int hinge_of(int body) const;
@@ -90,22 +88,22 @@ class HingeBundle {
   std::string reason_;
   std::vector<int> frames_;  // frames of the capture; the reference comes first
   std::vector<Line> start_;
-  std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // across each start
-  std::vector<Eigen::Isometry3d> root_start_;       // by used frame
+  std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // two unit vectors across each initial line
+  std::vector<Eigen::Isometry3d> root_start_;       // initial pose of the root, by used frame
   LeastSquares problem_;
   std::vector<int> hinge_unknown_;
-  std::vector<int> frame_unknown_;                 // -1: the reference
-  std::vector<std::vector<int>> marker_unknown_;   // by body of the tree, by marker
-  std::vector<Seen> seen_;  // by observation
+  std::vector<int> frame_unknown_;                 // by used frame: its block of unknowns; -1: the reference
+  std::vector<std::vector<int>> marker_unknown_;   // block of unknowns of every marker, by body of the tree
+  std::vector<Seen> seen_;  // marker and frame of every observation
   struct Closed {
     int closing, frame;
   };
-  std::vector<Closed> closed_;     // by observation after those of the markers
-  std::vector<double> deviation_;  // [m] of the points of a closing hinge
-  std::vector<double> play_;       // [m] by closing hinge
+  std::vector<Closed> closed_;     // loop and frame of the observations after those of markers
+  std::vector<double> deviation_;  // [m] deviation of the points of a closing hinge, by closing hinge
+  std::vector<double> play_;       // [m] rms play, by closing hinge
   std::unique_ptr<Information> information_;
   double noise_ = 0.0, correlation_ = 1.0, degrees_of_freedom_ = 1.0;
-  double variance_ = 1.0;  // of residuals, correlation included
+  double variance_ = 1.0;  // variance of the residuals, with the factor of correlated frames
   int outliers_ = 0;
 };
 

@@ -15,8 +15,8 @@ namespace veridyn::internal {
 namespace {
 
 constexpr double kDeviations = 4.0;  // multiple of the noise that a hinge's residual may reach
-constexpr double kLooseTurn = 0.5 * kDegree; // in addition to the noise: a real hinge has some play
-constexpr double kLoosePlay = 0.001;         // [m] likewise
+constexpr double kLooseTurn = 0.5 * kDegree; // allowed in addition to the noise: a real hinge has some play
+constexpr double kLoosePlay = 0.001;         // [m] allowed in addition to the noise
 constexpr double kStill = 4.0;  // standard deviations within which a body counts as resting
 
 struct Candidate {
@@ -163,7 +163,7 @@ HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder&
 }
 
 struct ChosenHinges {
-  std::vector<Candidate> edges;    // without a loop
+  std::vector<Candidate> edges;    // chosen hinges; they form no loop
   std::vector<Candidate> closing;  // requested hinges that close a loop
 };
 

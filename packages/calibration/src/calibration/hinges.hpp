@@ -11,13 +11,13 @@ namespace veridyn::internal {
 /// Bodies joined by hinges, root first; -1 stands for the frame of the cameras.
 struct Hinge {
   int a = -1, b = 0;  ///< bodies; a is nearer to the root
-  CommonAxis axis;    ///< from relative poses
+  CommonAxis axis;    ///< computed from the relative poses
 };
 
 struct HingeTree {
   int root = -1;
   bool root_rests = true;
-  std::vector<int> bodies;    ///< that belong to it, parents first; without -1
+  std::vector<int> bodies;    ///< bodies of the tree, parents first; without -1
   std::vector<Hinge> hinges;  ///< parents first
   std::vector<Hinge> closing; ///< requested hinges between bodies that the tree joins already
 };

@@ -86,8 +86,8 @@ class Information {
 
  private:
   struct Local {
-    MatrixXd inverse;   // of its block
-    MatrixXd coupling;  // (shared x size)
+    MatrixXd inverse;   // inverse of the diagonal block of one local block of unknowns
+    MatrixXd coupling;  // (shared x size) block between shared and local unknowns
   };
   MatrixXd reduced_;
   MatrixXd inverse_;

@@ -45,7 +45,7 @@ class PivotFit {
   }
 
  private:
-  // rcm - R tip = p.
+  // The equation rcm - R tip = p of one pose.
   static Row equation_row(const Eigen::Isometry3d& T) {
     Row J;
     J << Matrix3d::Identity(), -T.linear();

@@ -67,7 +67,7 @@ TEST(Axes, LinkLengthsAndAxesOfANoisyPsmAreWithinTheirIntervals) {
 }
 
 // An axis in the cameras' frame, against the robot file's own pose of it.
-TEST(Axes, TheFirstAxisIsFixedToTheBase) {
+TEST(Axes, TheFirstAxisIsFoundInTheFrameOfTheCameras) {
   const MarkerCapture capture = captured_psm(psm(), 800, {}, 4);
   AxesOptions options;
   options.most_frames = 400;
@@ -141,7 +141,7 @@ AxesCalibration calibrated_ladder(unsigned seed, double noise, double play,
   return calibrate_axes(captured_ladder(seed, 400, noise, play), options);
 }
 
-TEST(Axes, EveryRequestedPairOfAClosedDoubleParallelogramIsAnswered) {
+TEST(Axes, EveryRequestedPairOfADoubleParallelogramIsReported) {
   const AxesCalibration found = calibrated_ladder(1, 1e-7, 0.0);
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
   ASSERT_EQ(found.axes.size(), 7U) << found.report();

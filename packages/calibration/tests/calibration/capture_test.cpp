@@ -11,7 +11,7 @@ namespace {
 // One marker of each of two bodies at two times, in every layout; the second is hidden at the end.
 class Layouts : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
-TEST_P(Layouts, GiveTheSameMarkers) {
+TEST_P(Layouts, EveryFileLayoutGivesTheSameMarkers) {
   const TemporaryFolder folder;
   const std::string path = folder.write("capture.csv", GetParam().second);
   const MarkerCapture found = read_markers(path);
@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.first); });
 
 // A fault is named with its file, line and column.
-TEST(Capture, FaultsOfAFileAreNamed) {
+TEST(Capture, AnInvalidFileIsRefusedWithItsLineAndColumn) {
   const TemporaryFolder folder;
   const auto fault = [&](const std::string& content) -> std::string {
     try {
@@ -87,7 +87,7 @@ TEST(Capture, FaultsOfAFileAreNamed) {
 }
 
 // A body's pose from its markers turns as the markers do.
-TEST(Capture, MarkersOfOneBodyGiveItsPose) {
+TEST(Capture, PoseOfABodyIsFoundFromItsMarkers) {
   const TemporaryFolder folder;
   const std::string path = folder.write(
       "markers.csv",

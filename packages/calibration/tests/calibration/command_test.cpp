@@ -65,7 +65,7 @@ TEST(CalibrateCommand, AxisWritesAxesLinksAndAPage) {
   expect_faultless(page, 1200);
 }
 
-TEST(CalibrateCommand, AxisAnswersEveryRequestedPairOfAClosedLoop) {
+TEST(CalibrateCommand, AxisReportsEveryRequestedPairOfAClosedLoop) {
   const TemporaryFolder folder;
   std::vector<std::string> arguments = {"calibrate", "axis",
                                         folder.write("ladder.csv", marker_csv(captured_ladder(2, 300, 1e-4))),
@@ -124,7 +124,7 @@ TEST(CalibrateCommand, RemoteCentreIsFoundAndBadPosesAreRefused) {
   EXPECT_EQ(run_tool({"calibrate", "rcm"}).status, 2);
 }
 
-TEST(CalibrateCommand, LinksWriteARobotThatHasTheRightConstant) {
+TEST(CalibrateCommand, LinksWritesARobotFileWithTheCorrectedConstant) {
   const TemporaryFolder folder;
   const Model truth = read_model("psm-3dof");
   const double beta = truth.description().constants.at("beta");
@@ -159,7 +159,7 @@ TEST(CalibrateCommand, LinksWriteARobotThatHasTheRightConstant) {
 }
 
 // The wrong constant from torques and the one from poses, in one line.
-TEST(CalibrateCommand, LinksCompareTheDiagnosisWithThePoses) {
+TEST(CalibrateCommand, LinksReportsWhetherADiagnosisAndThePosesAgree) {
   const TemporaryFolder folder;
   const std::string poses = folder.write(
       "poses.csv",

@@ -79,7 +79,7 @@ TEST(Links, DerivativesOfTheChainMatchCentralDifferences) {
   }
 }
 
-TEST(Links, AWrongBetaIsFoundAndNamed) {
+TEST(Links, AWrongBetaIsIdentifiedAsTheOnlyError) {
   const Model truth = read_model("psm-3dof");
   const double beta = truth.description().constants.at("beta");
   const Model file = with_constant("psm-3dof", "beta", beta + kDegree);
@@ -144,7 +144,7 @@ TEST(Links, ALengthAndAnEncoderZeroOfASixJointArmAreFound) {
 
 // The encoder zero of pitch is wrong by 20 mrad. Angles of two frames beside it explain that as well;
 // where base and tool are unknown, so do other poses of the tool.
-TEST(Links, OnTiesEncoderZerosArePreferredAndBaseAndToolStay) {
+TEST(Links, AWrongEncoderZeroIsPreferredToEquallyGoodLinkAngles) {
   const Model arm = read_model("psm-3dof");
   for (const char* frame : {"tool", "wrist", "counterweight"}) {
     PoseCapture poses = captured_poses(arm, frame, 150, 0.9, 1e-4, 5e-4, 11);
@@ -216,7 +216,7 @@ TEST(Links, PosesOfAnotherFrameAreRefused) {
 }
 
 // The wrong direction of the counterweight, which torques show as well.
-TEST(Links, PosesAndTorquesAgreeOnThePrintedArm) {
+TEST(Links, TheConstantFromPosesAgreesWithTheConstantFromTorques) {
   const Model truth = read_model("psm-3dof");
   const Model printed = read_model("psm-3dof-printed");
   const double beta = truth.description().constants.at("beta");

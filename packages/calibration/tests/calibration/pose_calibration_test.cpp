@@ -47,7 +47,7 @@ TEST(RemoteCenter, ExactPosesGiveTheExactCentre) {
 }
 
 // Bodies with three markers of 0.1 mm turn by about 1 mrad of noise: 0.4 mm at the length of the tip.
-TEST(RemoteCenter, NoiseAndOutliersLeaveATenthOfAMillimetreAndHonestIntervals) {
+TEST(RemoteCenter, IntervalsCoverTheCentreAsOftenAsStatedUnderNoiseAndOutliers) {
   constexpr int kSeeds = 60;
   int inside = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -92,7 +92,7 @@ TEST(RemoteCenter, ASlidingBodyHasNoRemoteCentre) {
 }
 
 // A body whose origin is the centre hardly moves, and its centre is known all the same.
-TEST(RemoteCenter, MayBeTheOriginOfTheBody) {
+TEST(RemoteCenter, IsFoundIfItIsTheOriginOfTheBody) {
   RandomNumbers random(4);
   Poses poses;
   for (int k = 0; k < 200; ++k) {
@@ -130,7 +130,7 @@ TEST(HandEye, InconsistentPosePairsAreRefused) {
 class HandEyeForms : public testing::TestWithParam<HandEyeForm> {};
 
 // The form is found from the poses, and so is its transform.
-TEST_P(HandEyeForms, ThirtyPosesDetermineTheTransform) {
+TEST_P(HandEyeForms, FormAndTransformAreFoundFromThirtyPoses) {
   RandomNumbers random(11);
   const Isometry3d T = random_pose(random, 0.4);
   const Isometry3d other = random_pose(random, 0.1);

@@ -17,16 +17,16 @@ ImpedanceOptions options(const VectorXd& posture) {
   return o;
 }
 
-// Largest torque of the observer [N m], [N]: far above the error of a model that is known to a tenth, so that
-// it is no limitation.
+// Largest torque of the observer of model errors [N m], [N]: well above the error of a model whose parameters
+// are known to 10 %, so that this bound is not reached in normal operation.
 constexpr double kObserverLimit = 20.0;
 
-// A light virtual mass that yields to forces beyond a bound.
+// Virtual mass and damping of an arm that yields to a force beyond its bound.
 constexpr double kYieldingMass = 0.5;     // [kg]
 constexpr double kYieldingDamping = 10.0;  // [N s/m]
-constexpr double kCalm = 0.8;              // share of the bound
-constexpr double kRests = 0.005;           // [m/s]
-constexpr double kGoesAlong = 0.02;        // [m/s]
+constexpr double kCalm = 0.8;              // share of the bound below which yielding may end
+constexpr double kRests = 0.005;           // [m/s] speed of the tip below which yielding may end
+constexpr double kGoesAlong = 0.02;        // [m/s] relief velocity above which the arm follows a falling arm
 
 ImpedanceGains yielding_gains() {
   ImpedanceGains g;
@@ -112,7 +112,7 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
   relief_ = target.relief.position;
-  // An impedance yields to forces, but does not follow a falling arm.
+  // An impedance would yield to forces, but would not follow a falling arm: a position loop does.
   const bool goes_along = target.relief.velocity.norm() > kGoesAlong;
   if (goes_along && yields_to_forces() && !yielding_) freeze();
   TaskReference wanted = reference(target);

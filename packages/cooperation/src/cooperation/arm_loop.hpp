@@ -12,7 +12,7 @@ namespace veridyn {
 
 /// Models and settings of one arm's loop.
 struct ArmLoopSetup {
-  Model model;  ///< as the controller knows it
+  Model model;  ///< model that the controller uses
   Tip tip{};
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};

@@ -248,7 +248,7 @@ bool Experiment::step() {
   targets_ = control_->update(*input_);
   for (HeldObject& object : held_objects_) object.update(*control_, *input_, targets_);
   // An impedance whose desired mass is below the arm's needs the measured force: without a sensor all arms hold
-  // their positions. They do so too when the target has stopped away from the tip.
+  // their positions, as they do if the target has come to rest away from the tip.
   if (control_->sensor_failed() || control_->state() == CooperativeState::kTargetMissed) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }
@@ -269,11 +269,11 @@ bool Experiment::step() {
   return status_ == StepStatus::kOk;
 }
 
-// True if a joint is outside of its range by the whole range, or an arm moves too fast: no arm follows any
-// more.
+// True if the simulation has diverged: a joint has left its range by more than the range itself, or an arm
+// moves too fast.
 bool Experiment::is_out_of_range() const {
   for (int k = 0; k < world_->arms(); ++k) {
-    if (limp_[k] == 1) continue;  // a fault of the scenario
+    if (limp_[k] == 1) continue;  // the scenario itself lets this arm fall
     const std::vector<Coordinate>& joints = arms_[k].coordinates();
     for (size_t i = 0; i < joints.size(); ++i) {
       const Limits& limits = joints[i].limits;

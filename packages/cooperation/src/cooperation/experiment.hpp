@@ -46,9 +46,9 @@ class Experiment {
 
  private:
   struct Contact {
-    double force = 0.0, rate = 0.0;  // [N], [m/s] of the depth
-    Eigen::Vector3d measured{Eigen::Vector3d::Zero()};  // [N] on the tip, in the world, unfiltered
-    Eigen::Vector3d filtered{Eigen::Vector3d::Zero()};  // [N] by channel
+    double force = 0.0, rate = 0.0;  // [N] force on the tip; [m/s] rate of the depth
+    Eigen::Vector3d measured{Eigen::Vector3d::Zero()};  // [N] reading of the force on the tip, in the world
+    Eigen::Vector3d filtered{Eigen::Vector3d::Zero()};  // [N] reading after the low-pass, by channel
   };
   void add_arm(std::size_t index, const std::string& engine);
   void add_members();
@@ -66,12 +66,12 @@ class Experiment {
   std::vector<Attachment> tips_;
   std::unique_ptr<World> world_;
   std::vector<ArmLoop> loops_;
-  std::vector<JointSensors> shown_, known_;  // true ones; those known to the controller
+  std::vector<JointSensors> shown_, known_;  // true sensor errors; those known to the controller
   std::vector<VectorXd> measured_;
   std::vector<Eigen::Vector3d> starts_;  // initial true positions of the tips in the world [m]
   WorldObjects objects_;
   std::vector<ForceSensor> sensors_;
-  std::vector<std::vector<ForceSensor>> wall_sensors_;  // by wall, by channel
+  std::vector<std::vector<ForceSensor>> wall_sensors_;  // sensors of every wall, one per channel
   std::vector<TipKinematics> true_tips_;
   std::vector<ForceSample> samples_;
   std::vector<double> filtered_;  // readings after their low-pass [N]
@@ -79,13 +79,13 @@ class Experiment {
   std::vector<Wall> walls_;
   std::vector<Contact> wall_now_;
   std::vector<HeldObject> held_objects_;
-  std::vector<TorquePath> paths_;  // from commanded to actual torques
+  std::vector<TorquePath> paths_;  // delays from commanded to actual torques
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   std::vector<TipTarget> targets_;
   std::vector<VectorXd> tau_;
   std::vector<char> limp_, held_;
-  std::vector<Eigen::Vector3d> forces_;  // of each tip on the object, as measured
+  std::vector<Eigen::Vector3d> forces_;  // [N] measured force of each tip on the object, in the world
   StepStatus status_ = StepStatus::kOk;
 };
 

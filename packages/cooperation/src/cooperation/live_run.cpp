@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
 constexpr double kJogAhead = 0.1;    // [s] planned in advance by a jog
-constexpr double kStopped = 0.5;     // [s] after a loss, from which on nothing may move
+constexpr double kStopped = 0.5;     // [s] after the loss of the connection, when all motion must have ended
 
 MotionPlan plan_of(const Scenario& scenario) {
   std::vector<PlannedArm> arms;
@@ -87,7 +87,7 @@ class Live {
       try {
         const LiveCommand command = parse_live_command(line, scenario_);
         const std::string why = objection(command);
-        if (const std::optional<int> dropped = lines_.stopped(out_.time)) {  // while this one was planned
+        if (const std::optional<int> dropped = lines_.stopped(out_.time)) {  // during the planning of this line
           stop(*dropped + 1);
           continue;
         }
@@ -109,7 +109,7 @@ class Live {
     if (dropped > 0 && callbacks_.refused) callbacks_.refused(dropped_lines_message(dropped));
   }
 
-  // Reason for which a command cannot be executed, as for arms on boards: it is then not begun.
+  // Reason for which a command cannot be executed; empty: none. Such a command is not begun, as on real boards.
   std::string objection(const LiveCommand& command) {
     if (experiment_.controller().state() != CooperativeState::kTracking) return "";
     const auto* jog = std::get_if<LiveJog>(&command);

@@ -8,7 +8,7 @@ namespace veridyn {
 
 // Gains of a scenario's loops, shared by the loops and their linearisation.
 
-constexpr double kPostureStiffness = 25.0;  ///< [1/s^2] in the null space of the task
+constexpr double kPostureStiffness = 25.0;  ///< [1/s^2] stiffness in the null space of the task
 constexpr double kPostureDamping = 10.0;    ///< [1/s]
 
 /// Gains of an impedance, and of a position loop: unit mass, so that they are independent of the

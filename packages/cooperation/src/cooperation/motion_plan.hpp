@@ -34,7 +34,7 @@ class MotionPlan {
     CooperativeController control;
     CooperativeInput seen;          ///< tips and forces
     std::vector<VectorXd> q;        ///< (n) of each arm
-    std::vector<double> length;     ///< [m] of each member without force
+    std::vector<double> length;     ///< [m] length of each member without force
     std::vector<char> held;
     double time = 0.0;              ///< [s] since the plan began
   };
@@ -55,7 +55,7 @@ class MotionPlan {
   /// The same for a velocity of the object [m/s] that lasts for a time and is then stopped.
   std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);
 
-  static constexpr double kSpeedShare = 0.95;  ///< of a joint's velocity limit
+  static constexpr double kSpeedShare = 0.95;  ///< share of a joint's velocity limit that a plan may use
   static constexpr double kSettled = 0.3;      ///< [s] planned after a command's end
   static constexpr double kLongest = 5.0;      ///< [s] longest planned command from a line, since planning takes time
 

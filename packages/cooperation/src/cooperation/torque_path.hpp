@@ -17,7 +17,7 @@ class TorquePath {
         made_(VectorXd::Zero(joints)) {}
 
   const VectorXd& update(const VectorXd& asked) noexcept {
-    if (first_) {  // motors hold the arm before the run begins
+    if (first_) {  // the motors already hold the arm when the run begins
       for (VectorXd& late : queue_) late = asked;
       made_ = asked;
       first_ = false;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMost = 10000;  // largest number of waiting lines
 constexpr int kAtOnce = 256;          // largest number of lines read in one cycle
-constexpr double kOneBreath = 0.05;   // [s] shorter than a person's reaction to a line
+constexpr double kOneBreath = 0.05;   // [s] a stop within this time comes from a script, not from a person
 
 bool is_stop(const std::string& line) {
   std::istringstream words(line);

@@ -29,12 +29,12 @@ class WaitingLines {
  private:
   struct Line {
     std::string words;
-    double arrived;  // [s]
+    double arrived;  // [s] time of arrival
   };
   LineSource& source_;
   std::deque<Line> lines_;
   double now_ = 0.0;
-  std::optional<double> taken_arrived_;  // of the last line that was returned
+  std::optional<double> taken_arrived_;  // [s] arrival of the last line that was returned
 };
 
 /// Message about lines that a stop dropped.

@@ -14,9 +14,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = EmulatedFault::Kind;
 
-constexpr double kStep = 5e-4;         // [s] of the world between two polls of the sockets
+constexpr double kStep = 5e-4;         // [s] simulated time between two polls of the sockets
 constexpr double kMostBehind = 0.02;   // [s] largest delay that is made up for after a pause of the machine
-constexpr double kBrake = 2.0 * M_PI * 20.0;  // [rad/s] of brakes that hold an arm
+constexpr double kBrake = 2.0 * M_PI * 20.0;  // [rad/s] bandwidth of the brakes that hold an arm
 constexpr double kSlip = 0.05;         // [rad], [m] by which an encoder jumps
 
 std::vector<BoardSetup> setups(const RobotConfig& robot, const BoardCooperationOptions& options) {

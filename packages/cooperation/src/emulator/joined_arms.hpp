@@ -101,7 +101,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     const VectorXd& tau() const { return tau_; }
 
    private:
-    static constexpr double kLongestWay = 0.02;  // [s] after a pause of the machine
+    static constexpr double kLongestWay = 0.02;  // [s] longest interval of interpolation, after a pause of the machine
     World& world_;
     int arm_;
     VectorXd tau_, from_, q_;
@@ -136,10 +136,10 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   std::vector<Attachment> tips_;
   std::vector<std::atomic<unsigned>> faults_;
   std::vector<unsigned> applied_;
-  std::vector<Socket> sockets_;      // of the first joints
-  std::vector<std::int64_t> slips_;  // [counts] of them
+  std::vector<Socket> sockets_;      // connector of each arm's first joint
+  std::vector<std::int64_t> slips_;  // [counts] jump of its encoder with kJump
   std::atomic<double> largest_force_{0.0};
-  double now_ = 0.0, reached_ = 0.0;  // [s] of the stepped clock
+  double now_ = 0.0, reached_ = 0.0;  // [s] stepped clock, and the time to which the world is simulated
   std::function<void(const EmulatedInstant&)> watcher_;
   EmulatedInstant instant_;
 };

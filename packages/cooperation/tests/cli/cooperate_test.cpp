@@ -56,7 +56,7 @@ TEST_F(Cooperate, WritesRowsJsonAndPage) {
   EXPECT_EQ(check.status, 0) << check.err;
 }
 
-TEST_F(Cooperate, ThePageShowsTheNumbersOfTheJson) {
+TEST_F(Cooperate, EveryNumberOfThePageIsInTheJson) {
   if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
   ASSERT_EQ(run_tool({"cooperate", example("two-arms-spring"), "--json", path("out.json"),
                       "--report", path("out.html"), "--quiet"})
@@ -103,7 +103,7 @@ TEST_F(Cooperate, AFaultOnBoardsExitsWithStatus4) {
   EXPECT_EQ(run_tool({"cooperate", led, "--quiet"}).status, 3);
 }
 
-TEST_F(Cooperate, AHoldIsReportedAndExitsNormally) {
+TEST_F(Cooperate, AHoldWithItsBoundMetIsReportedAndExitsWithStatus0) {
   const ToolRun run =
       run_tool({"cooperate", example("fault-stale"), "--json", path("out.json"), "--quiet"});
   EXPECT_EQ(run.status, 0) << run.err;  // the required bound is met nevertheless
@@ -122,7 +122,7 @@ TEST_F(Cooperate, AMissedBoundExitsWithStatus4) {
   EXPECT_NE(run.out.find("NOT met"), std::string::npos);
 }
 
-TEST_F(Cooperate, ASweepWritesAMapOfBothParameters) {
+TEST_F(Cooperate, ASweepWritesAMapOverTwoParameters) {
   std::string content = content_of(example("two-arms-string"));
   content = content.substr(0, content.find("  - {name: turn")) +
             "sweep: {stiffness: [1000, 20000], delay: [0, 0.002], stable_error: 0.25}\n";

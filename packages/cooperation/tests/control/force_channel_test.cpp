@@ -82,7 +82,7 @@ class Torn final : public ForceSource {
   bool fresh_ = false;
 };
 
-TEST(ForceChannel, LostBytesGiveNoReadingBeyondTheRange) {
+TEST(ForceChannel, ReadingsTornByLostBytesAreRejectedByRangeAndJump) {
   for (const bool watched : {true, false}) {
     auto source = std::make_unique<Torn>(0.1);
     Torn& line = *source;
@@ -169,7 +169,7 @@ TEST(ForceChannel, AJumpIsAcceptedIfTheNextReadingAgrees) {
 }
 
 // One unusable reading in thirty is fewer than noisy_share, one in ten is more.
-TEST(ForceChannel, IsNoisyByTheShareOfUnusableReadings) {
+TEST(ForceChannel, IsNoisyIfTheShareOfUnusableReadingsExceedsItsLimit) {
   for (const int one_in : {30, 10}) {
     int fresh = 0;
     double raw = 0.0;
@@ -250,7 +250,7 @@ TEST(ForceChannel, TheReportedDelayIsTheActualDelay) {
   EXPECT_NEAR(raw + options.latency - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
 }
 
-TEST(ForceChannel, EveryStateHasItsOwnWords) {
+TEST(ForceChannel, EveryStateHasADescriptionOfItsOwn) {
   std::set<std::string> words;
   for (int k = 0; k <= static_cast<int>(ForceState::kNoisy); ++k) {
     EXPECT_TRUE(words.insert(describe(static_cast<ForceState>(k))).second) << k;

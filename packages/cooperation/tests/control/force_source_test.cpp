@@ -74,7 +74,7 @@ int poll_for(ForceSource& source) {
   return count;
 }
 
-TEST(SerialLine, ReadsThroughNoiseAndNoticesAnUnpluggedDevice) {
+TEST(SerialLine, FramesBetweenGarbageAreReadAndAnUnpluggedDeviceIsDetected) {
   Terminal line;
   if (!line.exists()) GTEST_SKIP() << "no pseudo-terminal on this machine";
   const std::unique_ptr<ForceSource> source =
@@ -96,7 +96,7 @@ TEST(SerialLine, ReadsThroughNoiseAndNoticesAnUnpluggedDevice) {
 
 // Through a line, by the clock of a loop of 1 kHz: a cell that falls silent, one that repeats
 // itself and a plug that is pulled are found within 20 ms.
-TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
+TEST(SerialLine, ASilentStuckOrUnpluggedCellIsDetectedWithin20Milliseconds) {
   enum class End { kSilent, kStuck, kPulled };
   for (const End end : {End::kSilent, End::kStuck, End::kPulled}) {
     Terminal line;
@@ -155,7 +155,7 @@ int poll_all(ForceSource& source) {
   return all;
 }
 
-TEST(Udp, DatagramsAreReadings) {
+TEST(Udp, EveryLineOfADatagramIsAReading) {
   const auto source = open_force_source("udp:47113:text");
   const Sender cell(47113);
   cell.write_bytes("512.5");
@@ -183,7 +183,7 @@ TEST(Udp, ListensToThisMachineUnlessAnAddressIsGiven) {
   EXPECT_EQ(poll_for(*all), 1);
 }
 
-TEST(Udp, TheFirstSenderOwnsThePortUntilItIsSilent) {
+TEST(Udp, OnlyTheFirstSenderIsAcceptedUntilItIsSilentForASecond) {
   const auto source = open_force_source("udp:47116");
   const Sender cell(47116), stranger(47116);
   cell.write_bytes("1");

@@ -31,7 +31,7 @@ TEST(LoadCell, TheCrcMatchesItsPublishedCheckValue) {
   EXPECT_EQ(crc16(reinterpret_cast<const std::uint8_t*>("123456789"), 9), 0x29B1);
 }
 
-TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
+TEST(LoadCell, TextLinesOfCommonConvertersAreRead) {
   LoadCellDecoder decoder(LoadCellFormat::kText);
   std::vector<double> got;
   readings_of(decoder, "cut 5\nHX711 reading: 8388607\r\n-12.5\n0.1,512\nHX711\n\x01\x02 7\n1e3\n", got);
@@ -90,7 +90,7 @@ TEST(LoadCell, ALineWithANonFiniteLastFieldIsRejected) {
 }
 
 // Every undamaged frame is read, whatever is between the frames.
-TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
+TEST(LoadCell, UndamagedBinaryFramesAreReadBetweenGarbageAndTruncatedFrames) {
   std::mt19937 random(7);
   LoadCellDecoder decoder(LoadCellFormat::kBinary);
   std::string line;
@@ -111,7 +111,7 @@ TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
 }
 
 // raw = 100 + 50 f by hand: offset 100, scale 1/50; the interval holds the truth.
-TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
+TEST(LoadCell, CalibrationFindsOffsetAndScaleWithinTheirIntervals) {
   const LoadCellCalibration exact =
       calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {100.0, 100.0, 600.0, 600.0});
   EXPECT_NEAR(exact.offset, 100.0, 1e-9);

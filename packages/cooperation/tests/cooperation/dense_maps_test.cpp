@@ -37,7 +37,7 @@ TEST(DenseMaps, AnOscillatorFollowsItsClosedForm) {
 }
 
 // A double integrator has a singular A: position t^2 / 2, velocity t.
-TEST(DenseMaps, ASingularMatrixIsDiscretisedExactly) {
+TEST(DenseMaps, ASingularSystemMatrixIsDiscretisedExactly) {
   MatrixXd A = MatrixXd::Zero(2, 2), transition, input;
   A(0, 1) = 1.0;
   discretise(A, Eigen::Vector2d(0.0, 1.0), 0.3, transition, input);

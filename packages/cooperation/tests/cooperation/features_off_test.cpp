@@ -50,14 +50,14 @@ TEST(FeaturesOff, WithoutFrictionCompensationTheTipErrorIsLarger) {
   EXPECT_GT(final_deflection(s), 4.0 * with);
 }
 
-TEST(FeaturesOff, WithoutTheModelErrorObserverTheErrorStays) {
+TEST(FeaturesOff, WithoutTheModelErrorObserverTheDeflectionIsTenTimesLarger) {
   Scenario s = shipped("one-arm-moves");
   const double with = final_deflection(s);
   s.control.observer = 0.0;
   EXPECT_GT(final_deflection(s), 10.0 * with);
 }
 
-TEST(FeaturesOff, WithoutItsImpedanceAHeldBodyDeviatesMore) {
+TEST(FeaturesOff, WithoutObjectImpedanceAHeldBodyDeviatesFiveTimesMore) {
   Scenario s = shipped("held-body");
   const ScenarioRun with = run_scenario(s);
   s.bodies[0].impedance_stiffness = 0.0;
@@ -66,7 +66,7 @@ TEST(FeaturesOff, WithoutItsImpedanceAHeldBodyDeviatesMore) {
 }
 
 // Two hands that pull with the force F stretch their grasps, in opposite directions, by F over their stiffness.
-TEST(FeaturesOff, WithoutInternalForceAHeldBodyHasNone) {
+TEST(FeaturesOff, AnInternalForceStretchesBothGraspsByForceOverStiffness) {
   const auto apart = [](double force) {
     Scenario s = shipped("held-body");
     s.model_error = 0.0;
@@ -121,7 +121,7 @@ Stroke stroke_of(const Scenario& scenario) {
 
 // The tissue drags the tip along its surface. The impedance yields to that by drag / stiffness times
 // the speed where its sensor feels it, and not with a sensor of the normal alone.
-TEST(FeaturesOff, WithoutFurtherSensorAxesSideForcesStayUnseen) {
+TEST(FeaturesOff, OnlyAThreeAxisSensorMakesTheTipYieldToTissueDrag) {
   Scenario s = shipped("tissue-three-axes");
   const double drag = s.walls[0].drag;
   ASSERT_GT(drag, 0.0);
@@ -138,7 +138,7 @@ TEST(FeaturesOff, WithoutFurtherSensorAxesSideForcesStayUnseen) {
 }
 
 // A falling arm puts unplanned energy into the spring.
-TEST(FeaturesOff, WithoutTheEnergyBoundAFallingArmIsNoticedLater) {
+TEST(FeaturesOff, WithoutTheEnergyBoundAFallingArmIsDetectedLaterOrNever) {
   Scenario s = shipped("fault-limp");
   s.control.largest_force_error = 1000.0;
   s.control.largest_energy = 0.01;  // [J]
@@ -152,7 +152,7 @@ TEST(FeaturesOff, WithoutTheEnergyBoundAFallingArmIsNoticedLater) {
 
 // While targets are held an arm yields to more than relief_force; without that the falling arm pulls
 // harder.
-TEST(FeaturesOff, WithoutYieldingTheForceOfAFallIsLarger) {
+TEST(FeaturesOff, WithoutYieldingAFallingArmPullsHarder) {
   Scenario s = shipped("fault-limp");
   const double with = run_scenario(s).largest_force;
   s.control.relief_force = 1000.0;

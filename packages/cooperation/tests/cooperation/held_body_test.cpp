@@ -129,7 +129,7 @@ class Carrying {
   std::unique_ptr<World> world_;
 };
 
-TEST(HeldBody, AHeavyObjectNeitherSagsNorLagsWhereItsInertiaIsKnown) {
+TEST(HeldBody, AHeldObjectOfKnownInertiaDeviatesLessThanOneMillimetre) {
   const Carried known = Carrying(0.5).run();
   const Carried unknown = Carrying(0.0).run();
   ASSERT_TRUE(known.sound && unknown.sound);
@@ -141,7 +141,7 @@ TEST(HeldBody, AHeavyObjectNeitherSagsNorLagsWhereItsInertiaIsKnown) {
 }
 
 // A mass that is known to within a tenth leaves a tenth of the sag.
-TEST(HeldBody, AWrongMassCausesASmallSag) {
+TEST(HeldBody, AMassErrorOfATenthCausesADeviationBelowTwoMillimetres) {
   const Carried off = Carrying(0.45).run();
   ASSERT_TRUE(off.sound);
   EXPECT_LT(off.largest_error, 1.5e-3);

@@ -87,7 +87,7 @@ LiveOptions at_once() {
   return o;
 }
 
-TEST(Live, EveryWordOfALineIsChecked) {
+TEST(Live, MalformedCommandLinesAreRefused) {
   const Scenario s = example("two-arms-spring");
   EXPECT_TRUE(std::holds_alternative<LiveAlive>(parse_live_command("  # a remark", s)));
   EXPECT_TRUE(std::holds_alternative<LiveQuit>(parse_live_command("quit", s)));
@@ -221,7 +221,7 @@ TEST(Live, AJogEndsWithoutFurtherCommands) {
   }
 }
 
-TEST(Live, CommandsMoveTheObjectAndKeepItsForce) {
+TEST(Live, CommandsMoveTheObjectWithTheForceKept) {
   Given lines({"force spring 5 0.5", "wait 1", "nonsense", "move 0.01 0 0 0.5", "wait 1", "quit"});
   std::vector<std::string> told;
   LiveReport tell;
@@ -285,7 +285,7 @@ TEST(Live, AStopIsExecutedImmediately) {
 }
 
 // A program writes its whole script into a pipe at once.
-TEST(Live, AStopSentWithEarlierLinesKeepsItsOrder) {
+TEST(Live, AStopAfterOtherLinesIsExecutedInOrder) {
   Timed lines({{0, "move 0.05 0 0 2"}, {0, "wait 2.5"}, {20, "stop"}, {20, "wait 0.5"}, {20, "quit"}});
   LiveOptions options = at_once();
   options.tell = 0.1;
@@ -335,7 +335,7 @@ TEST(Live, AStopIsExecutedDuringAFloodOfLines) {
 }
 
 // In the middle of a move the line ends: everything stops and stays.
-TEST(Live, TheEndOfTheInputHoldsTheArms) {
+TEST(Live, EndOfInputEndsTheRunWithTheArmsHeld) {
   Given lines({"force spring 5 0.5", "wait 0.7", "move 0.2 0 0 2", "wait 0.5"});
   const LiveRun run = run_live(example("two-arms-spring"), lines, at_once(), {});
   EXPECT_TRUE(run.lost);

@@ -44,7 +44,7 @@ ScenarioRun good() {
 
 bool report_contains(const ScenarioRun& run, const std::string& words) { return run.report().find(words) != std::string::npos; }
 
-TEST(ScenarioReport, ARunWithoutBoundsIsMetAndListsNone) {
+TEST(ScenarioReport, ARunWithoutBoundsCountsAsMet) {
   const ScenarioRun run = good();
   EXPECT_TRUE(run.met());
   EXPECT_EQ(run.report().rfind("made up: 2 arms, 1.5 s simulated in 0 s by veridyn.\n", 0), 0U) << run.report();
@@ -117,7 +117,7 @@ TEST(ScenarioReport, AnUntrackedForceMeetsNoBound) {
   }
 }
 
-TEST(ScenarioReport, APhaseThatEndedEarlyMeetsNothing) {
+TEST(ScenarioReport, APhaseThatEndedEarlyDoesNotMeetItsBounds) {
   ScenarioRun run = good();
   run.phases[0].cut_short = true;
   run.phases[0].duration = 2.5;
@@ -200,7 +200,7 @@ TEST(ScenarioReport, TheFileHasTheHeaderAndEveryRow) {
 }
 
 // A run that ends early keeps the rows that it has, of every signal.
-TEST(ScenarioReport, ATruncatedRunHasEqualLengths) {
+TEST(ScenarioReport, EverySignalOfATruncatedRunHasEquallyManyRows) {
   Scenario s;
   s.arms.resize(1);
   s.arms[0].start = VectorXd::Zero(2);

@@ -56,7 +56,7 @@ TEST(ScenarioRun, AnImpedanceSlaveKeepsTheForceInASpringAndAString) {
 }
 
 // Without the damping of the force loop that the thesis lacked, the string is worse or not held.
-TEST(ScenarioRun, TheStringNeedsTheDampingOfTheForceLoop) {
+TEST(ScenarioRun, WithoutDampingTheForceLoopDoesNotHoldAStringWithinATenth) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);
   s.members[0].law.damping = s.members[0].law.proportional = 0.0;
@@ -82,7 +82,7 @@ TEST(ScenarioRun, PositionBasedTrackingOscillatesOnlyWithANarrowDeadband) {
 
 // Half of the friction is known: after ten strokes, and from then on, the tip is within 10 % as near
 // to its way as with all of it. Without the observer of model errors, which would hide friction.
-TEST(ScenarioRun, HalfKnownFrictionIsEstimatedInTenStrokes) {
+TEST(ScenarioRun, AdaptiveFrictionReachesFullCompensationAfterTenStrokes) {
   const auto later_strokes = [](double friction, bool adaptive) {
     Scenario s = example("adaptive-friction");
     s.control.friction = friction;
@@ -102,18 +102,18 @@ TEST(ScenarioRun, HalfKnownFrictionIsEstimatedInTenStrokes) {
   EXPECT_GT(later_strokes(0.5, false), 1.5 * known);
 }
 
-TEST(ScenarioRun, TheExampleNeedsAdaptiveFriction) {
+TEST(ScenarioRun, TheAdaptiveFrictionExampleMeetsItsBoundsOnlyWithAdaptation) {
   Scenario s = example("adaptive-friction");
   EXPECT_TRUE(run_scenario(s).met());
   s.control.adaptive_friction = false;
   EXPECT_FALSE(run_scenario(s).met());
 }
 
-TEST(ScenarioRun, TheGazeboExperimentKeepsItsForce) {
+TEST(ScenarioRun, TheGazeboExampleMeetsItsBounds) {
   expect_met(run_scenario(example("gazebo-y")));
 }
 
-TEST(ScenarioRun, ThreeArmsKeepTheirForceWhileOneRegrasps) {
+TEST(ScenarioRun, TheRegraspExampleTracksTheForceOfTheOtherMember) {
   const ScenarioRun run = run_scenario(example("three-arms-regrasp"));
   expect_met(run);
   const PhaseFigures& regrasp = phase(run, "regrasp");
@@ -122,7 +122,7 @@ TEST(ScenarioRun, ThreeArmsKeepTheirForceWhileOneRegrasps) {
   EXPECT_NEAR(regrasp.members[0].wanted, 5.0, 1e-9);
 }
 
-TEST(ScenarioRun, FaultsEndInAHoldBelowTheStatedForce) {
+TEST(ScenarioRun, EveryFaultExampleEndsInItsFaultStateBelowItsForceBound) {
   const struct {
     const char* name;
     CooperativeState state;
@@ -146,7 +146,7 @@ TEST(ScenarioRun, FaultsEndInAHoldBelowTheStatedForce) {
 }
 
 // Without the guard the string is jerked tight, whenever the arm goes limp; with it, it is not.
-TEST(ScenarioRun, AFallingArmDoesNotJerkTheString) {
+TEST(ScenarioRun, TheTetherGuardKeepsTheForceOfAFallingArmBelowItsBound) {
   for (const double at : {2.5, 4.0, 4.5, 5.5}) {
     Scenario s = example("fault-limp-string");
     s.faults[0].at = at;
@@ -162,7 +162,7 @@ TEST(ScenarioRun, AFallingArmDoesNotJerkTheString) {
 // A base that is believed turned by `t` about the members' line turns the arm's motion by -t: a move
 // of d across the line ends d sin t beside the others'. Along the line the force loop takes it away.
 // A shift of the base changes no motion at all.
-TEST(ScenarioRun, AWrongBaseAffectsPositionsAndNotForces) {
+TEST(ScenarioRun, ATurnedBaseCalibrationTurnsTheMotionAndKeepsTheForce) {
   constexpr double kTurn = 0.05, kWay = 0.03;
   const auto moved = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& shift) {
     Scenario s = example("two-arms-spring");
@@ -191,7 +191,7 @@ TEST(ScenarioRun, AWrongBaseAffectsPositionsAndNotForces) {
 
 // Whenever the sensor fails, on a spring and on a string: while the force rises, at rest, on the
 // way.
-TEST(ScenarioRun, ASensorMayFailAtAnyTime) {
+TEST(ScenarioRun, ASensorFailureAtAnyTimeEndsTheTaskBelowSevenNewton) {
   for (const char* name : {"fault-stuck", "fault-stale"}) {
     for (const double at : {0.3, 0.8, 4.5}) {
       Scenario s = example(name);
@@ -219,7 +219,7 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
 }
 
 // The final figures of a phase are those of its last row and its last fifth, not of the phase before or after.
-TEST(ScenarioRun, FinalFiguresOfAPhaseAreThoseOfItsLastRows) {
+TEST(ScenarioRun, FinalFiguresOfAPhaseUseItsLastFifthOfRows) {
   const Scenario s = example("two-arms-spring");
   const ScenarioRun run = run_scenario(s);
   const ArmTrace& leader = run.arm[s.master];
@@ -237,7 +237,7 @@ TEST(ScenarioRun, FinalFiguresOfAPhaseAreThoseOfItsLastRows) {
 }
 
 // Channels of one sensor, and sensors of two walls, do not share their noise.
-TEST(ScenarioRun, EverySensorHasNoiseOfItsOwn) {
+TEST(ScenarioRun, EveryWallSensorChannelHasANoiseSeedOfItsOwn) {
   Scenario s = example("tissue-three-axes");
   s.walls.push_back(s.walls.front());
   std::set<unsigned> seeds;
@@ -248,7 +248,7 @@ TEST(ScenarioRun, EverySensorHasNoiseOfItsOwn) {
 }
 
 // The tissue's drag slows a planned tip as it slows a real one: it lags by the drag over the stiffness, times the speed.
-TEST(MotionPlan, TissueDragSlowsATip) {
+TEST(MotionPlan, TissueDragDelaysAPlannedTipByDragOverStiffness) {
   const Scenario s = example("tissue-three-axes");
   const ScenarioModels models = scenario_models(s, 0);
   MotionPlan plan(s, {{models.known, models.R_world_base_known, models.p_world_base_known, VectorXd::Constant(3, 1e3)}});
@@ -345,7 +345,7 @@ TEST(ScenarioSweep, FindsTheStableRegionOfTheLoop) {
 
 // A loop far faster than its cycles throws its arm out: the run ends there with the rows until then, and of the phases after
 // that there are no figures, nor for one that begins there.
-TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
+TEST(ScenarioRun, ARunEndsWithTheRowsUntilAnArmDiverges) {
   Scenario s = example("one-arm-moves");
   s.control.position_frequency = 1e3;
   s.arms[0].control = ArmControl::kPosition;
@@ -367,7 +367,7 @@ TEST(ScenarioRun, EndsWhereAnArmRunsAway) {
   EXPECT_FALSE(split.phases[0].cut_short);
 }
 
-TEST(ScenarioRun, ReportsItsProgress) {
+TEST(ScenarioRun, ReportsItsProgressEveryHalfSecond) {
   Scenario s = example("two-arms-spring");
   s.phases.resize(2);
   s.phases[0].duration = 1.25;

@@ -135,7 +135,7 @@ TEST_F(WithoutFriction, ALoopWithANarrowDeadbandOscillatesLikeItsLinearModel) {
 }
 
 // At its margins the loop is on the unit circle, by another computation of the same eigenvalues.
-TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
+TEST(Stability, TheSpectralRadiusCrossesOneAtTheStatedMargins) {
   const Scenario s = example("two-arms-spring");
   const StabilityAnalysis a = analyse_stability(s);
   EXPECT_TRUE(a.stable);
@@ -163,7 +163,7 @@ TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
 }
 
 // Thesis 7.7.3, figure 7.10: a deadband of 0.2 N swings, 0.4 N does not.
-TEST(Stability, TheDeadbandsOfTheThesisOscillateAsPublished) {
+TEST(Stability, ADeadbandOfOneFifthNewtonOscillatesAndOfTwoFifthsDoesNot) {
   const StabilityAnalysis narrow = analyse_stability(example("position-limit-cycle"));
   const StabilityAnalysis wide = analyse_stability(example("position-stable"));
   ASSERT_EQ(narrow.deadbands.size(), 1U);
@@ -176,7 +176,7 @@ TEST(Stability, TheDeadbandsOfTheThesisOscillateAsPublished) {
 // The gain from a missing torque to accelerations, by another computation: responses to a pulse on each joint in each cycle of a
 // hyperperiod, transformed. No frequency exceeds the gain; the gain exceeds the largest singular value by less than the
 // Frobenius norm does.
-TEST(Stability, TheGainFromTorqueErrorsIsThatOfThePulseResponses) {
+TEST(Stability, TheGainFromTorqueErrorsBoundsThePulseResponsesAtEveryFrequency) {
   struct Case {
     const char* name;
     double sensor_rate;
@@ -223,7 +223,7 @@ TEST(Stability, TheGainFromTorqueErrorsIsThatOfThePulseResponses) {
 
 // The stiffness that a force on the tip adds is the slope of -J' f, with f on the true arm and -f, exerted, on the known one;
 // sliding slowly, only viscous friction grows with speed.
-TEST(LinearArm, HasTheJacobianOfItsForcesAndItsFrictionDamping) {
+TEST(LinearArm, ATipForceAddsTheStiffnessOfTheJacobiansSlope) {
   const Scenario s = example("two-arms-spring");
   const ScenarioModels models = scenario_models(s, 1);
   const Eigen::Vector3d q(0.2, -0.4, 0.14), force(30.0, -20.0, 50.0), none = Eigen::Vector3d::Zero();
@@ -248,7 +248,7 @@ TEST(LinearArm, HasTheJacobianOfItsForcesAndItsFrictionDamping) {
   EXPECT_TRUE(near(arm.D, drag, 1e-9));
 }
 
-TEST(Stability, ParametersAndRangesAreChecked) {
+TEST(Stability, InvalidParametersAndRangesAreRefused) {
   const Scenario s = example("two-arms-spring");
   EXPECT_EQ(parameter(with_parameter(s, "stiffness", 123.0), "stiffness"), 123.0);
   EXPECT_THROW(with_parameter(s, "stifness", 1.0), InvalidInput);
@@ -262,7 +262,7 @@ TEST(Stability, ParametersAndRangesAreChecked) {
 }
 
 // Below half of the intervals a corner may be unstable already, or with exact parameters.
-TEST(Stability, TheIntervalFactorIsBelowAHalfIfTheLoopIsUnstableThere) {
+TEST(Stability, TheIntervalFactorIsTheLargestWithoutAnUnstableSample) {
   constexpr int kSamples = 2;
   constexpr double kResolution = 0.5 / 4096.0;  // twelve halvings
   const Scenario unstable = with_parameter(example("gazebo-y"), "stiffness", 1e6);
@@ -371,7 +371,7 @@ TEST(Stability, ReplacedSensorRatesAreReported) {
 }
 
 // Where no stiffness below the scenario's own is stable the ones above are searched; if there is none at all, this is reported.
-TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
+TEST(Stability, TheSearchFindsStableStiffnessesAboveTheScenarios) {
   Scenario s = example("gazebo-y");
   s.control.force_cutoff = 106.0;
   s = with_parameter(with_parameter(s, "delay", 0.00716), "stiffness", 3.0);
@@ -395,7 +395,7 @@ TEST(Stability, StableStiffnessesAboveTheScenariosOwnAreFound) {
 }
 
 // Where nothing ever moves no simulation swings, however stiff the object: dry friction holds up to the end of the search.
-TEST(Stability, ALoopWithoutALimitIsStableUpToTheEndOfTheSearch) {
+TEST(Stability, ALoopAtRestWithDryFrictionIsStableAtEverySearchedStiffness) {
   Scenario s = example("gazebo-y");
   s.encoder = "none";
   s.model_error = 0.0;

@@ -76,7 +76,7 @@ TEST_F(TeleoperationReader, ReadsEveryKey) {
   EXPECT_TRUE(s.steps[2].clutch);
 }
 
-TEST_F(TeleoperationReader, AStepMayConsistOfTheClutchAlone) {
+TEST_F(TeleoperationReader, AStepOfTheClutchAloneIsRead) {
   const TeleoperationScenario s = read_teleoperation(write(changed("hand: [-0.03, 0, 0], clutch: out", "clutch: out")));
   EXPECT_EQ(s.steps[1].way.norm(), 0.0);
   EXPECT_FALSE(s.steps[1].clutch);

@@ -77,7 +77,7 @@ TEST(BoardCooperation, RunsAreReproducibleBitForBit) {
 
 // In the machine's own time, which may be short: either the run is done and the force kept, or the
 // watchdogs and the supervisors have stopped all. In both cases power is off and the force is small.
-TEST(BoardCooperation, InRealTimeItEndsWithADefinedStatus) {
+TEST(BoardCooperation, ARealTimeRunEndsNormallyOrSwitchesOffAfterAFault) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].duration = 0.6;
@@ -104,7 +104,7 @@ TEST(BoardCooperation, InRealTimeItEndsWithADefinedStatus) {
   EXPECT_EQ(done.run.time.size(), 600);
 }
 
-TEST(BoardCooperation, ATruncatedPhaseIsNotMet) {
+TEST(BoardCooperation, APhaseCutShortByAFaultDoesNotMeetItsBound) {
   Scenario scenario = board_example("two-psm-spring");
   scenario.phases.resize(1);
   scenario.phases[0].asked_force_error = 100.0;
@@ -117,7 +117,7 @@ TEST(BoardCooperation, ATruncatedPhaseIsNotMet) {
   EXPECT_EQ(done.report().find("tension: force within"), std::string::npos) << done.report();
 }
 
-TEST(BoardCooperation, NamesTheMismatchOfArmsAndScenario) {
+TEST(BoardCooperation, RefusesBoardsSensorsAndFaultsThatDoNotFitTheScenario) {
   const Scenario scenario = board_example("two-psm-spring");
   BoardCooperationOptions options;
   std::atomic<bool> stop{false};
@@ -136,7 +136,7 @@ TEST(BoardCooperation, NamesTheMismatchOfArmsAndScenario) {
 }
 
 // Tissue as Kelvin and Voigt have it beneath an impedance: at rest both stiffnesses share the way.
-TEST(BoardCooperation, AnArmPressesOnTissueAsItsImpedanceAllows) {
+TEST(BoardCooperation, TissueForceAtRestFollowsFromBothStiffnessesInSeries) {
   const Scenario scenario = board_example("two-psm-tissue");
   const BoardCooperationRun done = on_emulated_boards(scenario);
   ASSERT_TRUE(done.met()) << done.report();
@@ -151,7 +151,7 @@ TEST(BoardCooperation, AnArmPressesOnTissueAsItsImpedanceAllows) {
 
 // The same with a sensor of three axes under tissue that drags: what the boards' loop has measured is
 // what the emulated tissue does, whatever the tip's orientation.
-TEST(BoardCooperation, AThreeAxisSensorWorksOnEmulatedBoards) {
+TEST(BoardCooperation, AThreeAxisSensorMeasuresTheDragOfEmulatedTissue) {
   Scenario scenario = board_example("two-psm-tissue");
   scenario.walls[0].sensor_axes = 3;
   scenario.walls[0].drag = 60.0;
@@ -199,7 +199,7 @@ BoardCooperationOptions line_options(LineSource& lines) {
   return options;
 }
 
-TEST(BoardCooperation, CommandsByLineMoveTheArmsAndALostLineReleasesThem) {
+TEST(BoardCooperation, CommandLinesMoveTheArmsAndALostInputEndsTheRun) {
   const Scenario scenario = board_example("two-psm-spring");
   for (const bool quits : {true, false}) {
     Lines lines({"force spring 2 0.8", "wait 1", "leap 1", "move 0.005 0 0 0.5", "wait 0.8",
@@ -328,7 +328,7 @@ Heard run_with_cell(const Cell::Speech& speech) {
   return out;
 }
 
-TEST(BoardCooperation, NoPowerBeforeEverySensorIsSteady) {
+TEST(BoardCooperation, PowerIsRefusedIfASensorIsSilentStuckOrDead) {
   const int never = 1 << 30;
   for (const auto& [speech, words] : std::vector<std::pair<Cell::Speech, std::string>>{
            {{never}, "waits for its first reading"},
@@ -464,7 +464,7 @@ BoardCooperationOptions refusal_options(Lines& lines, std::vector<std::string>& 
 }
 
 // As lines they are refused one by one, and nothing moves; feasible lines between them are executed.
-TEST(BoardCooperation, InfeasibleCommandsMoveNothing) {
+TEST(BoardCooperation, InfeasibleCommandsAreRefusedWithoutMotion) {
   const Scenario scenario = board_example("two-psm-spring");
   std::vector<std::string> words{"force spring 2 0.8", "wait 1"};
   for (const Infeasible& one : kInfeasible) words.push_back(one.line);
@@ -570,7 +570,7 @@ TEST(ScenarioRowFile, AFullDiskWithoutARowLeavesNoFile) {
 
 // The report on an arm agrees with its encoders.
 // A healthy run ends without a fault although its wanted force is beyond largest_force_error (2 N).
-TEST(BoardCooperation, ReleasingAPretensionIsNoFault) {
+TEST(BoardCooperation, ReleasingAPretensionIsNotReportedAsAFault) {
   Scenario scenario = board_example("two-psm-string");
   scenario.phases.resize(1);
   scenario.asked_largest_force = 0.0;

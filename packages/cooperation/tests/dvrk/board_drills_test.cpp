@@ -41,7 +41,7 @@ class BoardDrills : public testing::TestWithParam<Drill> {
   }
 };
 
-TEST_P(BoardDrills, AFaultHoldsThenReleasesThenSwitchesOff) {
+TEST_P(BoardDrills, AfterAFaultArmsHoldThenReleaseThenSwitchOff) {
   const Drill& drill = GetParam();
   for (const int arm : {0, 1}) {
     SCOPED_TRACE(arm == 0 ? "master" : "slave");
@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Drill{Kind::kJump, "a position that jumped", 0.01}));
 
 // Sensors fail as in the scenario: all arms stop, since forces are unknown, and power is switched off.
-TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
+TEST(BoardDrills, AFailedForceSensorEndsTheRunWithPowerOff) {
   for (const auto kind : {ScenarioFault::Kind::kSensorStale, ScenarioFault::Kind::kSensorStuck}) {
     Scenario s = board_example("two-psm-spring");
     s.phases.resize(2);
@@ -99,7 +99,7 @@ TEST(BoardDrills, AFailedForceSensorHoldsTheArms) {
 
 // A sensor that is suddenly off by 2 N while the spring keeps its length: nothing but the sensor has
 // changed. Without the check of jumps the loop would use it.
-TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
+TEST(BoardDrills, AForceSensorJumpIsDetectedWithin10Milliseconds) {
   Scenario s = board_example("two-psm-spring");
   s.phases.resize(1);
   ScenarioFault fault;
@@ -121,7 +121,7 @@ TEST(BoardDrills, AJumpOfAForceSensorHoldsTheArms) {
 
 // An unbalanced arm loses its torque without a report, on a string: the other arm moves along
 // with it. Without the guard the string carries several times as much.
-TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {
+TEST(BoardDrills, TheTetherGuardReducesTheStringForceOfAFallingArm) {
   std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");
   std::string model{std::istreambuf_iterator<char>(file), {}};
   const std::string balanced = "com: [-0.26, 0, 0]";

@@ -43,7 +43,7 @@ TeleoperationRun run(const TeleoperationScenario& scenario,
   return teleoperate_on_boards(scenario, master_and_slave(), options, stop);
 }
 
-TEST(BoardTeleoperation, FollowsTheLeaderClutchesAndReflectsForces) {
+TEST(BoardTeleoperation, TheFollowerMovesHalfAsFarAndRestsWhileTheClutchIsOut) {
   const TeleoperationScenario scenario = example();
   const TeleoperationRun done = run(scenario);
   ASSERT_EQ(done.end, BoardEnd::kDone) << done.report();
@@ -85,7 +85,7 @@ TEST(BoardTeleoperation, LatencyIsReportedOnlyForLongEnoughPhases) {
   }
 }
 
-TEST(BoardTeleoperation, AFaultHoldsTheFollower) {
+TEST(BoardTeleoperation, APowerFaultOfEitherArmEndsTheRun) {
   for (const int arm : {0, 1}) {
     TeleoperationScenario scenario = example();
     scenario.scenario.phases.resize(1);
@@ -99,7 +99,7 @@ TEST(BoardTeleoperation, AFaultHoldsTheFollower) {
 }
 
 // A hand that is faster than the follower's joints, and one that leads it out of reach.
-TEST(BoardTeleoperation, InfeasibleStepsMoveNothing) {
+TEST(BoardTeleoperation, InfeasibleStepsAreRefusedWithoutMotion) {
   for (const auto& [way, over] : {std::pair{0.08, 0.03}, {0.9, 3.0}}) {
     TeleoperationScenario scenario = example();
     scenario.steps[0].way = {way, 0.0, 0.0};

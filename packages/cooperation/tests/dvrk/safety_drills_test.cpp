@@ -261,7 +261,7 @@ double derived_time(const Drill& drill, const Scenario& scenario, double moment)
 
 class SafetyDrills : public testing::TestWithParam<Drill> {};
 
-TEST_P(SafetyDrills, HeldArmsDoNotMove) {
+TEST_P(SafetyDrills, FaultsAreDetectedInTimeAndMotionStaysWithinItsBounds) {
   const Drill& drill = GetParam();
   Scenario scenario = scenario_of(drill);
   const double asked = scenario.asked_largest_force;
@@ -359,7 +359,7 @@ INSTANTIATE_TEST_SUITE_P(Data, SafetyDrills, testing::ValuesIn(drills()), [](con
   return "Line" + std::to_string(of.param.line);
 });
 
-TEST(SafetyDrillsData, CoverEnoughCases) { EXPECT_GE(drills().size(), 120U); }
+TEST(SafetyDrillsData, HasAtLeast120Cases) { EXPECT_GE(drills().size(), 120U); }
 
 }  // namespace
 }  // namespace veridyn::dvrk

@@ -231,7 +231,7 @@ TEST_F(TwoArms, KeepTheForceWhileMovingASpring) {
 }
 
 // After one arm's emergency stop that arm gets no current, and the controller holds the other.
-TEST_F(TwoArms, ALostArmEndsTheTask) {
+TEST_F(TwoArms, AnEmergencyStopOfOneArmEndsTheTaskOfBoth) {
   ASSERT_TRUE(power_up());
   CooperativeController both = controller();
   ASSERT_TRUE(both.set_force(0, 5.0, 1.0));

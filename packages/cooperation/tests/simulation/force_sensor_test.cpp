@@ -10,7 +10,7 @@ namespace veridyn {
 namespace {
 
 // The force equals the time, so that each sample shows its own time.
-TEST(ForceSensor, SamplesHaveItsRateAndDelay) {
+TEST(ForceSensor, EverySampleHasTheValueOfItsRateAndDelay) {
   for (const double delay : {0.0, 0.003, 0.005}) {
     ForceSensorOptions options;
     options.rate = 500.0;
@@ -38,7 +38,7 @@ TEST(ForceSensor, ASlowerLoopGetsANewReadingInEveryCall) {
   for (int k = 0; k < 50; ++k) EXPECT_EQ(sensor.read(0.0025 * k, 0.0025 * k).force, 0.0025 * k);
 }
 
-TEST(ForceSensor, NoiseHasItsDeviationAndNoMean) {
+TEST(ForceSensor, NoiseHasTheGivenDeviationAndZeroMean) {
   ForceSensorOptions options;
   options.noise = 0.05;
   options.rate = 1000.0;

@@ -63,7 +63,7 @@ World two_slides(double stiffness, double damping, bool pulls_only) {
 const std::vector<VectorXd> kIdle{one(0.0), one(0.0)};
 
 // The distance of two masses on a spring: l0 + 0.1 cos(w t), w^2 = K (1/m + 1/m).
-TEST(World, TwoMassesOnASpringOscillateAsTheClosedFormSays) {
+TEST(World, TwoMassesOnASpringFollowTheClosedFormOscillation) {
   for (const double stiffness : kStiffnesses) {
     World world = two_slides(stiffness, 0.0, false);
     const double omega = std::sqrt(2.0 * stiffness / mass_of(slide()));
@@ -195,7 +195,7 @@ TEST(World, AnArmHoldsAMemberWithTheTransposedJacobian) {
   EXPECT_LT(world.dq(0).norm() + world.dq(1).norm(), 1e-5);
 }
 
-TEST(World, AWallStopsASlideAndReturnsItsMotion) {
+TEST(World, ASlideReboundsFromAnElasticWallWithItsSpeedReversed) {
   const Model arm = weightless(slide());
   std::vector<WorldArm> arms;
   arms.push_back(standing(arm));
@@ -214,7 +214,7 @@ TEST(World, AWallStopsASlideAndReturnsItsMotion) {
 
 // A body on three grasps of the world settles where they carry its weight, and swings with its
 // energy kept until then.
-TEST(World, ABodyRestsWhereItsGraspsCarryItsWeight) {
+TEST(World, AHeldBodyRestsWhereGraspForcesEqualItsWeight) {
   // The arm's model brings gravity, in the axes of its base, which lies on its side.
   ModelDescription on_its_side = slide().description();
   on_its_side.gravity = {-9.81, 0, 0};

@@ -8,7 +8,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLongestStep = 0.002;  // [s] of the load
+constexpr double kLongestStep = 0.002;  // [s] longest integration step of the load
 
 }  // namespace
 
@@ -113,7 +113,7 @@ bool BoardEmulator::is_lost() noexcept {
   return static_cast<double>(fate_ >> 11) * 0x1p-53 < faults.loss;
 }
 
-// Section 2.4.
+// Executes or drops a request, depending on generation and bus reset: specification 2.4.
 Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   const bool reads = request.tcode == Tcode::kQuadletRead || request.tcode == Tcode::kBlockRead;
   const bool broadcast = request.node == kBroadcastNode;
@@ -141,7 +141,7 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   return place < 0 ? Answer() : read(request, place, reply);
 }
 
-// Section 2.4. The Ethernet side does not check CRCs, but other boards ignore a packet with a wrong CRC.
+// The board that answers a read; -1: none. Only boards behind the hub ignore a wrong CRC: specification 2.4.
 int BoardEmulator::requesting_reader(const Request& request) const noexcept {
   const bool local = (request.flags & kNoForward) != 0;
   const BoardSetup& its = boards_[hub()].setup();
@@ -193,7 +193,7 @@ void BoardEmulator::write_to(EmulatedBoard& b, const Request& request) noexcept 
   if (b.reboot_requested) reboot(static_cast<int>(&b - boards_.data()));
 }
 
-// Section 8.5: the board next to the computer sends all blocks without a request.
+// Without FireWire the first board answers a query with the blocks of all boards: specification 8.5.
 Answer BoardEmulator::answer_query(const Request& query, ByteSpan out) noexcept {
   std::size_t quadlets = 1;
   for (HubSlot& slot : slots_) slot.at = now_;
@@ -211,7 +211,7 @@ Answer BoardEmulator::read(const Request& request, int place, ByteSpan out) noex
   Reply reply;
   reply.destination = request.source;
   reply.label = request.label;
-  // Rev 9 answers requests to itself alone with its board id (section 4.2).
+  // Rev 9 answers requests to itself alone with its board id (specification 4.2).
   reply.node = static_cast<std::uint8_t>(echo_ != 0 ? board(place).setup().id : node_of(place));
   reply.trailer = trailer(0);
   const auto where = static_cast<std::uint16_t>(request.address);
@@ -290,8 +290,8 @@ Answer BoardEmulator::corrupt_reply(std::size_t size, ByteSpan out) noexcept {
       change(19, 0x55);
       break;
     case ReplyFault::kOld: {
-      // Only the hub's own answers, which have no CRC that a changed label would invalidate, and blocks of
-      // one kind.
+      // Repeats only blocks of the hub itself, whose header has no CRC that the new label would invalidate, and
+      // only of equal size.
       constexpr std::size_t kWithLabel = 4, kHeaderCrc = 16;
       const bool blocks = size > kHeaderCrc + 4 && (old_size_ == 0 || old_size_ == size) && (out.data[3] >> 4) == 7;
       if (!blocks || load_quadlet(out.data + kHeaderCrc) != 0) break;

@@ -10,8 +10,8 @@ namespace veridyn::dvrk {
 
 /// An event on emulated boards at a given time: "emergency-stop@2.5", "current:6.1=0.4@3".
 struct BoardEvent {
-  std::string words;  ///< without the time
-  double time = 0.0;  ///< [s]
+  std::string words;  ///< text of the event without the time
+  double time = 0.0;  ///< [s] since the start
   std::function<void(BoardEmulator&)> happen;
 };
 

@@ -20,8 +20,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kUninterrupted = 2e-6;           // [s]
-constexpr double kLongestQueue = 0.1;             // [s]
+constexpr double kUninterrupted = 2e-6;           // [s] largest time between two clock readings without an interruption
+constexpr double kLongestQueue = 0.1;             // [s] largest delay of a datagram in the socket
 
 double seconds_of(const timespec& at) {
   return static_cast<double>(at.tv_sec) + 1e-9 * static_cast<double>(at.tv_nsec);
@@ -45,7 +45,7 @@ bool is_loopback(in_addr address) {
   return (ntohl(address.s_addr) >> 24) == 127;
 }
 
-// From firmware 9 on hosts send to all boards by multicast (section 2.3), so the socket joins the
+// From firmware 9 on hosts send to all boards by multicast (specification 2.3), so the socket joins the
 // group on all interfaces.
 void join_multicast(int socket, BoardServer::Listens listens) {
   ifaddrs* all = nullptr;

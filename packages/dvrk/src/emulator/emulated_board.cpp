@@ -11,9 +11,9 @@ constexpr Ticks ticks(double seconds) {
   return static_cast<Ticks>(seconds * kTicksPerSecond);
 }
 
-constexpr Ticks kAmpHold = ticks(0.040);    // section 14.2, after voltage came
-constexpr Ticks kAmpDelay = ticks(0.0025);  // the same, with an I/O expander
-constexpr Ticks kTripAfter = ticks(0.050);  // section 14.3
+constexpr Ticks kAmpHold = ticks(0.040);    // wait of an amplifier after the motor voltage has risen: section 14.2
+constexpr Ticks kAmpDelay = ticks(0.0025);  // additional wait with an I/O expander
+constexpr Ticks kTripAfter = ticks(0.050);  // duration of an excess current that trips an amplifier: specification 14.3
 constexpr int kTripFloor = 0x300;
 constexpr int kTripMargin = 0x900;
 
@@ -31,7 +31,7 @@ EmulatedBoard::EmulatedBoard(const BoardSetup& setup) : setup_(setup) {
 
 void EmulatedBoard::reboot(Ticks now) noexcept {
   for (Channel& c : channels_) {
-    const ChannelMotion motion = c.motion;  // does not affect the arm
+    const ChannelMotion motion = c.motion;  // the arm keeps its position while the board restarts
     c = Channel();
     if (setup_.io_expander) c.motor_config |= 1U << 25;
     c.motion = motion;
@@ -65,7 +65,7 @@ void EmulatedBoard::advance(Ticks now, const PowerChain& chain) noexcept {
   }
 }
 
-// Section 14.3.
+// Trips the amplifier after 50 ms of a current far above its command: specification 14.3.
 void EmulatedBoard::check_current(Channel& c, std::uint16_t measured) noexcept {
   const int flows = std::abs(static_cast<int>(measured) - kZeroCurrent);
   const int asked = std::abs(static_cast<int>(c.dac) - kZeroCurrent);
@@ -104,7 +104,7 @@ double EmulatedBoard::noise(double deviation) noexcept {
   return deviation * sum * 0.8660254037844386;
 }
 
-// Section 14.2.
+// Executes a request for an amplifier, which also needs power and no trip: specification 14.2.
 void EmulatedBoard::apply_amp(Channel& c, AmpRequest request, bool power_before) noexcept {
   const bool wanted_off = request == AmpRequest::kKeep ? c.disabled : request == AmpRequest::kOff;
   const bool was = c.disabled;
@@ -112,7 +112,7 @@ void EmulatedBoard::apply_amp(Channel& c, AmpRequest request, bool power_before)
   if (was && !c.disabled) c.enabled_at = now_;
 }
 
-// Section 10.5: channels first, then the control word.
+// Executes a block write, channels first, then the control word: specification 10.5.
 void EmulatedBoard::apply_command(const BoardCommand& command) noexcept {
   last_write_ = now_;
   if (faults.ignores_writes) return;
@@ -207,7 +207,7 @@ Status EmulatedBoard::status() const noexcept {
   return s;
 }
 
-// Section 9.1.
+// The motor status word of Rev 8 on: specification 9.1.
 MotorStatus EmulatedBoard::motor_status(int channel) const noexcept {
   const Channel& c = channels_[channel];
   const auto bit = [](bool set, int k) { return set ? 1U << k : 0U; };

@@ -6,7 +6,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr std::uint32_t kMost = 0x3FFFFFF;  // 26 bits
+constexpr std::uint32_t kMost = 0x3FFFFFF;  // largest value of a 26-bit counter
 constexpr std::uint32_t kOverflowBit = 1U << 31;
 constexpr std::uint32_t kUpBit = 1U << 30;
 constexpr std::int64_t kHalf = 0x800000;
@@ -41,7 +41,7 @@ void EmulatedEncoder::power_up(double counts, Ticks now) noexcept {
 void EmulatedEncoder::edge(std::int64_t crossed, bool up, double at) noexcept {
   for (int k = 4; k > 0; --k) recent_[k] = recent_[k - 1];
   const std::uint32_t kind = kind_up(crossed);
-  const double seen = std::floor(at);  // by the clock
+  const double seen = std::floor(at);  // time in whole ticks of the counter
   recent_[0] = {saturated(seen - last_edge_), up, up ? kind : reversed(kind)};
   last_edge_ = seen;
   ++edges_;
@@ -56,7 +56,7 @@ void EmulatedEncoder::move(double counts, Ticks now) noexcept {
   const auto time_of = [&](std::int64_t crossing) {
     return start + (static_cast<double>(crossing) - counts_) * rate;
   };
-  // Only the last of many edges are stored.
+  // Only the last edges are stored.
   if (target > count_) {
     std::int64_t k = count_ + 1;
     if (target - k > 6) {

@@ -9,12 +9,12 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr Ticks kFirstUpdate = 400;  // ticks from the query to the first block in the hub
-constexpr Ticks kNextUpdate = 300;   // and from one to the next
+constexpr Ticks kNextUpdate = 300;   // ticks from one block to the next
 constexpr Ticks kHubReadTicks = 200;
 
 }  // namespace
 
-// Section 8.3: every selected board latches now; its block reaches the hub a little later.
+// Every selected board latches now, and its block reaches the hub a little later: specification 8.3.
 void BoardEmulator::start_query(std::uint32_t word) noexcept {
   update_hub();
   query_ = word;

@@ -3,12 +3,12 @@
 
 #include "emulator/emulated_board.hpp"
 
-// Registers of an emulated board that are not the real-time blocks: section 7.
+// Registers of an emulated board that are not the real-time blocks: specification 7.
 
 namespace veridyn::dvrk {
 namespace {
 
-constexpr std::uint32_t kFpgaPromRead = 0x03000000;  // section 7.6
+constexpr std::uint32_t kFpgaPromRead = 0x03000000;  // commands of the memories: specification 7.6
 constexpr std::uint32_t kFpgaSerialAt = 0x1FFF00;
 constexpr std::uint32_t kFpgaPromIdentify = 0x9F000000;
 constexpr std::uint32_t kFpgaPromStatus = 0x05000000;
@@ -18,10 +18,10 @@ constexpr std::uint32_t kQlaPromReadByte = 0x03000000;
 constexpr std::uint32_t kDallasFamily = 0x0B;  // DS2505
 constexpr std::uint32_t kDallasEnabled = 1U << 0;
 constexpr std::uint32_t kDallasSuccess = 1U << 1;        // bits 2:1
-constexpr std::uint32_t kDallasBothDirections = 1U << 3;  // as DOUT can be read
+constexpr std::uint32_t kDallasBothDirections = 1U << 3;  // set if the board can read its output DOUT back
 constexpr std::uint32_t kFpgaPromWords = 64;
 
-// The characters of the string, then 0xFF.
+// Fills a memory with the characters of the string, then 0xFF.
 template <std::size_t N>
 void fill(std::array<std::uint8_t, N>& prom, const std::string& text) {
   prom.fill(0xFF);
@@ -61,7 +61,7 @@ std::uint32_t EmulatedBoard::read_channel(int channel, int offset) const noexcep
   }
 }
 
-// Register 13, Rev 7 on: never busy; the result of the last command.
+// Register 13 (Rev 7 on): result of the last command to the instrument's chip, which is never busy.
 std::uint32_t EmulatedBoard::dallas_status() const noexcept {
   if (setup_.firmware < 7) return 0;
   const std::uint32_t word = kDallasEnabled | kDallasBothDirections;
@@ -122,7 +122,7 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
   Channel& c = channels_[channel];
   switch (offset) {
     case address::kDac: {
-      BoardCommand one;  // the same word as in the block
+      BoardCommand one;  // a register write has the same word as a block
       std::array<std::uint8_t, 24> block{};
       const QuadletSpan span({block.data(), 4 * write_quadlets(setup_.firmware)});
       one.board = static_cast<std::uint8_t>(setup_.id);
@@ -150,7 +150,7 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
   }
 }
 
-// Section 7.6: serial numbers.
+// Executes a command to the memory that holds the serial number: specification 7.6.
 void EmulatedBoard::command_prom(std::uint32_t command) noexcept {
   switch (command & 0xFF000000U) {
     case kFpgaPromRead:
@@ -206,7 +206,7 @@ void EmulatedBoard::write(std::uint16_t where, std::uint32_t data) noexcept {
     case address::kIpAddress:
       ip_address = data;
       break;
-    case address::kDallas:  // from which byte the chip is read
+    case address::kDallas:  // the data select the first byte of the next read
       dallas_from_ = data >> 16;
       dallas_asked_ = true;
       break;

@@ -71,7 +71,7 @@ void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
   upper_ = upper;
 }
 
-// Without rebound: a joint at a stop has no velocity towards it.
+// Stops act without rebound: a joint at a stop has no velocity towards it.
 void SimulatedArm::stop_at_ends() noexcept {
   if (lower_.size() == 0 || status_ != StepStatus::kOk) return;
   held_q_ = engine_.q();

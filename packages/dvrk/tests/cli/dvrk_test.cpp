@@ -170,7 +170,7 @@ TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
 }
 
 // User gains: the law's default gains change nothing, weaker ones let the arm lag.
-TEST_F(Dvrk, GainsFromAFileReachTheArm) {
+TEST_F(Dvrk, GainsFromAFileChangeTheMotion) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream motion(trajectory);
   motion << "t,q1,q2,q3\n";
@@ -216,7 +216,7 @@ TEST_F(Dvrk, GainsFromAFileReachTheArm) {
 }
 
 // The arm of README's example: the motors of a nominal PSM1 carry and move it.
-TEST_F(Dvrk, TheLightArmMovesOnTheNominalBoardsOfPsm1) {
+TEST_F(Dvrk, TheMotorsOfANominalPsm1MoveTheExampleArm) {
   const std::string arm = VERIDYN_SOURCE_DIR "/examples/dvrk/light-psm.yaml";
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream motion(trajectory);
@@ -266,7 +266,7 @@ TEST_F(Dvrk, MonitorAndReadSendNoWritesByDefault) {
 }
 
 // Amplifiers go off by the watchdog, but a supply that could not be switched off is not reported as off.
-TEST_F(Dvrk, PowerOffIsReportedOnlyIfBoardsConfirmIt) {
+TEST_F(Dvrk, UnconfirmedPowerOffIsReportedAndExitsWithStatus4) {
   const std::string trajectory = folder_.path("traj.csv");
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const ToolRun run = run_tool(rehearse() +
@@ -325,7 +325,7 @@ Words words_of_the_page(const std::string& begin) {
   return {};
 }
 
-TEST_F(Dvrk, TheFirstRunOfThePageWorks) {
+TEST_F(Dvrk, TheCommandsOfTheFirstRunInTheManualSucceed) {
   const auto in_folder = [&](Words words) {
     for (std::string& word : words) {
       const bool file =

@@ -72,7 +72,7 @@ TEST(ExportDvrk, RowsAreComparedWithTheRestingArm) {
   EXPECT_NE(run.out.find("without gravity 0.5 N m"), std::string::npos) << run.out;
 }
 
-TEST(ExportDvrk, ScalesCorrectTheLaboratorysConfiguration) {
+TEST(ExportDvrk, ScalesMultiplyTheCurrentScalesOfTheConfiguration) {
   const TemporaryFolder folder;
   const std::string config =
       std::string(VERIDYN_SOURCE_DIR) + "/data/dvrk/sawRobotIO1394-PSM1-example.xml";

@@ -83,12 +83,12 @@ TEST(ArmFacts, AnInstrumentCouplesTheLastFourActuators) {
 }
 
 // Pots on the joints: actuators from joints by the inverse of the coupling, in both notations.
-TEST(ArmFacts, TheMasterArmsTwoMatricesAreInverse) {
+TEST(ArmFacts, PotMatrixAndCouplingOfTheMasterArmAreInverse) {
   const ArmFacts mtm = read_arm("MTML");
   EXPECT_TRUE(near(mtm.coupling() * mtm.pots_to_actuators, MatrixXd::Identity(7, 7), 1e-15));
 }
 
-TEST(ArmFacts, DefaultBoardNumbersAreThoseOfTheLaboratories) {
+TEST(ArmFacts, DefaultBoardNumbersAreTheUsualOnesOfDvrkSystems) {
   EXPECT_EQ(read_arm("MTML").boards, (std::vector<int>{0, 1}));
   EXPECT_EQ(read_arm("PSM3").boards, (std::vector<int>{10, 11}));
   EXPECT_EQ(read_arm("ECM").actuators[2].brake->board, 5);
@@ -99,7 +99,7 @@ TEST(ArmFacts, UnverifiedFactsAreListed) {
   for (const char* name : {"PSM1", "MTML", "ECM"}) EXPECT_FALSE(read_arm(name).unsure.empty());
 }
 
-TEST(ArmFacts, AWrongFileNamesLineAndReason) {
+TEST(ArmFacts, AnInvalidArmFileIsRefusedWithItsReason) {
   std::ifstream file(kFolder + "psm.yaml");
   const std::string yaml{std::istreambuf_iterator<char>(file), {}};
   const std::filesystem::path path = std::filesystem::temp_directory_path() /

@@ -216,7 +216,7 @@ TEST(ArmKinematics, MtmInverseListsAllSolutions) {
   EXPECT_GT(outside, 250);
 }
 
-TEST(ArmKinematics, MtmPosesOutOfReachAreReportedWithTheStretchedArm) {
+TEST(ArmKinematics, MtmPositionsOutOfReachAreReported) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);
@@ -283,7 +283,7 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
 }
 
 // Angles of more than a turn: the turn nearest to where the arm is, unless it is out of range.
-TEST(ArmKinematics, WholeTurnsAreWrappedIntoTheRange) {
+TEST(ArmKinematics, SolutionsAreShiftedByWholeTurnsIntoTheRange) {
   const JointRanges<6> ranges(read_arm("PSM1"));  // roll: 272 degrees either way
   using Joints = PsmKinematics::Joints;
   const double limit = ranges.upper[3];
@@ -310,7 +310,7 @@ TEST(ArmKinematics, WholeTurnsAreWrappedIntoTheRange) {
   }
 }
 
-TEST(ArmKinematics, ChainsOfAnotherFormAreRefused) {
+TEST(ArmKinematics, DhTablesOfAnotherArmTypeAreRefused) {
   ArmFacts arm = read_arm("PSM1");
   EXPECT_THROW(EcmKinematics{arm}, InvalidInput);
   EXPECT_THROW(MtmKinematics{arm}, InvalidInput);

@@ -95,7 +95,7 @@ TEST_F(ArmLimits, AnArmOutsideItsLimitsIsNotDriven) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
-TEST_F(ArmLimits, EndStopsStopAPushedArm) {
+TEST_F(ArmLimits, EmulatedEndStopsStopAPushedArm) {
   load_.set_end_stops(Eigen::Vector2d(-0.5, -0.8), Eigen::Vector2d(0.5, 0.8));
   plant_.set_state(Eigen::Vector2d(0.4, -0.7), Eigen::Vector2d(3.0, -3.0));
   ArmSession arm(link_, planar_config());

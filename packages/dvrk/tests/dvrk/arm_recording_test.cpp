@@ -22,7 +22,7 @@ std::string first_line(const std::string& path) {
   return line;
 }
 
-TEST_F(ArmRecording, FollowsAMotionAndRecordsTheTorquesThatActed) {
+TEST_F(ArmRecording, FollowsAMotionAndRecordsTheActingTorques) {
   ArmSession arm(link_, planar_config());
   const MotionSamples wanted = motion(8.0);
   const RunResult run = run_motion(arm, link_, wanted, sensible_gains(model_), RunOptions(), stop_);

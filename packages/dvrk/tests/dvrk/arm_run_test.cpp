@@ -17,7 +17,7 @@ namespace {
 
 class ArmRun : public PlanarRun {};
 
-TEST_F(ArmRun, EncodersStartFromPots) {
+TEST_F(ArmRun, EncodersArePreloadedOnceWithThePotPositions) {
   ArmSession arm(link_, planar_config());
   arm.start();
   EXPECT_TRUE(arm.preloaded());
@@ -39,7 +39,7 @@ TEST_F(ArmRun, ASignalEndsTheRunWithPowerOff) {
   EXPECT_FALSE(emulator_.board(0).status().power_requested());
 }
 
-TEST_F(ArmRun, AFaultDuringTheRunEndsItWithItsName) {
+TEST_F(ArmRun, AnAmplifierFaultEndsTheRunAndIsNamedWithItsChannel) {
   emulator_.board(0).faults.amp[1] = true;  // never comes up
   ArmSession arm(link_, planar_config());
   const RunResult run =
@@ -74,7 +74,7 @@ TEST_F(ArmRun, ABrakeOpensBeforeTheMotion) {
   EXPECT_NEAR(emulator_.board(0).dac(2), 32768, 1);  // engaged again
 }
 
-TEST_F(ArmRun, TrackingErrorsHaveTheUnitOfTheirJoint) {
+TEST_F(ArmRun, TrackingErrorLimitsDependOnTheJointType) {
   RobotConfig robot = planar_config();
   robot.actuators[1].prismatic = true;
   const VectorXd errors = default_largest_errors(robot);
@@ -89,7 +89,7 @@ TEST_F(ArmRun, TrackingErrorsHaveTheUnitOfTheirJoint) {
 }
 
 // The arm of README's example by a clock of its own: the motors of a nominal PSM1 carry and move it.
-TEST(LightArm, MovesOnTheNominalBoardsOfPsm1) {
+TEST(LightArm, IsMovedByTheMotorsOfANominalPsm1) {
   const ArmFacts facts = read_arm("PSM1");
   const RobotConfig robot = nominal_config(facts).robot("");
   const Model model = read_model(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");

@@ -22,7 +22,7 @@ struct ArmCase {
 class OnEveryHomedArm : public testing::TestWithParam<ArmCase> {};
 
 // From pots to encoders to joints: the arm's position is known to a bit of the pots and a count.
-TEST_P(OnEveryHomedArm, HomingFindsThePositionOfTheArm) {
+TEST_P(OnEveryHomedArm, HomingFindsTheActualJointPositions) {
   const ArmFacts facts = read_arm(GetParam().arm);
   const RobotConfig robot = nominal_config(facts).robots.at(0);
   const MatrixXd K = facts.coupling(GetParam().instrument);
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OnEveryHomedArm,
 
 // Joint torques arrive at the motors through calibration and coupling: what the motors push with,
 // carried to the joints by the power that it does, is what was commanded.
-TEST(ArmSession, TorquesArriveAtTheJoints) {
+TEST(ArmSession, JointTorquesOfTheMotorsEqualTheCommandedOnes) {
   const MatrixXd K = read_arm("PSM1").coupling(kNeedleDriver);
   Bench bench(example(), K, example_start());
   bench.idle(0.01);
@@ -86,7 +86,7 @@ TEST(ArmSession, TorquesArriveAtTheJoints) {
 
 // A controller of the joints, blind to boards: proportional and derivative action moves every joint
 // to its place and holds it there, directions and couplings included.
-TEST(ArmSession, AControllerOfJointsHoldsTheArm) {
+TEST(ArmSession, AJointPdControllerReachesItsGoal) {
   const MatrixXd K = read_arm("PSM1").coupling(kNeedleDriver);
   Bench bench(example(), K, example_start());
   bench.idle(0.01);
@@ -111,7 +111,7 @@ TEST(ArmSession, AControllerOfJointsHoldsTheArm) {
   EXPECT_EQ(bench.load.current.norm(), 0.0);
 }
 
-TEST(ArmSession, WithoutPowerNoCommandFlows) {
+TEST(ArmSession, WithoutPowerTorqueCommandsCauseNoCurrent) {
   Bench bench(example(), MatrixXd(), example_start());
   bench.idle(0.01);
   ASSERT_TRUE(bench.arm.home().done);
@@ -167,7 +167,7 @@ TEST(ArmSession, BrakesOpenBeforeTheArmMoves) {
   EXPECT_EQ(bench.load.brake_bits[0], 0.0);
 }
 
-TEST(BrakeDriver, ReleasesWithFullCurrentHoldsWithLessAndEngagesAtOnce) {
+TEST(BrakeDriver, CurrentIsReducedAfterTheReleaseTime) {
   BrakeConfig config;
   config.release_current = 0.9;
   config.release_time = 2.0;
@@ -295,7 +295,7 @@ TEST(ArmSession, CurrentLimitsComeFromTheCalibration) {
 }
 
 // Two arms may have boards with the same ids; serial numbers in the configuration distinguish them.
-TEST(ArmSessionBoards, MustBelongToTheRobot) {
+TEST(ArmSessionBoards, WithOtherSerialNumbersThanConfiguredAreRefused) {
   for (const std::string& there : {std::string("1234-57"), std::string("9999-01"), std::string()}) {
     RobotConfig robot = example();
     const std::vector<int> ids = boards_of(robot);

@@ -80,7 +80,7 @@ TEST_F(ArmTiming, APersistentlyLateLoopIsStopped) {
 }
 
 // The same from the start: no motor gets power, and the message names the reason.
-TEST_F(ArmTiming, ABusyMachineIsReportedBeforePower) {
+TEST_F(ArmTiming, OnABusyMachineNoMotorGetsPower) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
   link.down.delay = 0.005;

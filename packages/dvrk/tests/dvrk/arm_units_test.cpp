@@ -23,7 +23,7 @@ RobotConfig example() {
 }
 
 // Actuator 0 by hand, with the formulas of specification 12 and 15 written out.
-TEST(ArmUnits, OneActuatorMatchesItsManualConversion) {
+TEST(ArmUnits, OneActuatorMatchesTheFormulasOfTheSpecification) {
   RobotConfig robot = example();
   robot.actuators[0].amps_to_bits = {-5242.88, 32851.0};
   robot.actuators[0].bits_to_amps = {-0.000190735, 6.2571};
@@ -61,7 +61,7 @@ class OnEveryCoupling : public testing::TestWithParam<CoupledArm> {
 
 // Power is the same in actuators and joints, whatever they do: dq . tau. Position and torque
 // therefore go by one matrix and its inverse transposed.
-TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
+TEST_P(OnEveryCoupling, PowerIsEqualInJointsAndActuators) {
   ArmUnits units(robot, K);
   Random random(5);
   std::vector<RawActuator> raw(n);
@@ -81,7 +81,7 @@ TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
 }
 
 // Torque to bits, bits measured by a perfect board, and back: half a bit of current per actuator.
-TEST_P(OnEveryCoupling, TorqueRoundTripIsExactToHalfABit) {
+TEST_P(OnEveryCoupling, TorqueSurvivesItsConversionToHalfABitOfCurrent) {
   ArmUnits units(robot, K);
   Random random(6);
   std::vector<RawActuator> raw(n);
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OnEveryCoupling,
 
 // Specification 16, by hand: joints of the master arm from its motors, and motors from its pots,
 // which sit on the joints.
-TEST(ArmUnits, TheMasterArmsCouplingMatchesItsManualConversion) {
+TEST(ArmUnits, TheMasterArmsCouplingMatchesTheSpecification) {
   const ArmFacts facts = read_arm("MTML");
   const RobotConfig robot = nominal_config(facts).robots.at(0);
   ArmUnits units(robot, facts.coupling());

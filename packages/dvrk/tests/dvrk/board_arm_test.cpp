@@ -61,7 +61,7 @@ class OnBoards : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
+TEST_F(OnBoards, ATorqueMovesItsJointAndUncommandedJointsAreHeld) {
   BoardArm arm(options_);
   ASSERT_EQ(arm.joints(), 7);
   ASSERT_TRUE(run_until(arm, [] { return true; }));
@@ -103,7 +103,7 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndOthersAreHeld) {
   EXPECT_EQ(load_.effort.cwiseAbs().maxCoeff(), 0.0);
 }
 
-TEST_F(OnBoards, FaultsSwitchOffAndAreReported) {
+TEST_F(OnBoards, SilentBoardsAreAFaultAndPowerOffIsNotConfirmed) {
   BoardArm arm(options_);
   ASSERT_TRUE(run_until(arm, [] { return true; }));
   ASSERT_EQ(arm.power_on(), nullptr);

@@ -49,7 +49,7 @@ BusOptions both_boards() {
 }
 
 // Section 19.1: the datagrams that the laboratory's host sends at its start.
-TEST(BoardBus, StartsASessionWithTheBytesOfTheLaboratorysHost) {
+TEST(BoardBus, StartSendsTheDatagramsOfTheDvrkHostSoftware) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink link(emulator);
   Witness witness(link);
@@ -200,7 +200,7 @@ TEST(BoardBus, UnsupportedBoardsAreRefusedByName) {
   EXPECT_EQ(refusal(all, many), "");
 }
 
-TEST(BoardBus, MixedFirmwareIsReadBoardByBoard) {
+TEST(BoardBus, BoardsOfMixedFirmwareAreReadOneByOne) {
   Rig rig(CycleProtocol::kAutomatic, {Rig::setup(6, 7), Rig::setup(7, 8)});
   ASSERT_TRUE(rig.bring_up()) << rig.session.faults().report();
   EXPECT_EQ(rig.session.bus().protocol(), CycleProtocol::kSequential);
@@ -247,7 +247,7 @@ class Silence final : public DatagramLink {
 
 // A first miss waits longer than a tick of the system's clock, later ones 1, 3, 7, 15 ms; after ten
 // seconds without a miss it is a first one again.
-TEST(Exchange, RepeatsSoonerAfterALostReply) {
+TEST(Exchange, ARequestIsRepeatedSoonerAfterALostReply) {
   Silence link;
   FaultLog log;
   Exchange exchange(link, log);
@@ -290,7 +290,7 @@ TEST(BoardBus, RegistersAreNotWrittenWhileNodesAreUnknown) {
 
 // Board 7 is another arm's, and a reset gives it the node that board 6 had. Until board 6 is found again its own number is
 // that of the other arm, which would fall: off goes by broadcast, in blocks that name the board.
-TEST(BoardBus, OffByRegisterSparesTheOtherArmWhileNodesAreUnknown) {
+TEST(BoardBus, PowerOffNeverReachesTheOtherArmWhileNodeNumbersAreUnknown) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink link(emulator);
   BusOptions options = both_boards();
@@ -350,7 +350,7 @@ class Stutter final : public DatagramLink {
   DatagramLink& link_;
 };
 
-TEST(BoardBus, AFailedSendIsALostLinkForAnyBoard) {
+TEST(BoardBus, AFailedSendToOneBoardIsReportedAsALostLink) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   EmulatedLink good(emulator);
   Stutter link(good);

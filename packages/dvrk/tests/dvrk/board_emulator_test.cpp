@@ -152,7 +152,7 @@ TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
   EXPECT_EQ(bench.emulator.counters().wrong_crc, 0);
 }
 
-TEST(BoardEmulator, OnlyNodesThatExistAnswer) {
+TEST(BoardEmulator, OnlyExistingNodesAnswerReads) {
   EmulatorBench bench;
   EXPECT_EQ(bench.read(0, address::kHardware), kHardwareQla1);
   EXPECT_EQ(bench.reply.header_crc, 0U);  // of the hub
@@ -187,7 +187,7 @@ TEST(BoardEmulator, AStaleGenerationAnswersReadsWithAnErrorAndDropsWrites) {
   EXPECT_EQ(bench.status(0).board(), 7);  // nodes have changed places
 }
 
-TEST(BoardEmulator, WatchdogTripsByTimeAndStaysUntilEnabled) {
+TEST(BoardEmulator, WatchdogTripsAfterItsTimeAndLatchesUntilEnabled) {
   EmulatorBench bench;
   bench.bring_up(0x8100);
   EXPECT_TRUE(bench.emulator.board(0).amp_on(0));
@@ -346,7 +346,7 @@ TEST(BoardEmulator, RegistersKeepWrittenValues) {
   EXPECT_EQ(bench.emulator.board(0).read(address::kWatchdog), kWatchdogDefault);
 }
 
-TEST(BoardEmulator, AnInstrumentHasItsChip) {
+TEST(BoardEmulator, AnInstrumentsMemoryChipCanBeRead) {
   BoardSetup setup;
   setup.dallas.resize(256);
   for (std::size_t k = 0; k < 256; ++k) setup.dallas[k] = static_cast<std::uint8_t>(k);

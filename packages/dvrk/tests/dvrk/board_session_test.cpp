@@ -68,7 +68,7 @@ TEST(BoardSession, PowerDownDisablesAmplifiersFirstAndIsConfirmed) {
 }
 
 // Every exit leaves no current: the destructor, an exception through it, a client that dies.
-TEST(BoardSession, EveryExitLeavesNoCurrent) {
+TEST(BoardSession, DestructorExceptionAndClientDeathLeaveNoCurrent) {
   for (const bool by_exception : {false, true}) {
     BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
     EmulatedLink link(emulator);
@@ -225,7 +225,7 @@ TEST(BoardSession, PowerIsRefusedWithItsReason) {
 }
 
 // Its encoders have lost their loaded counts. Soon after the restart no real-time word shows it.
-TEST(BoardSession, ABoardThatRestartedIsFoundBeforeItsAmplifiersAreOn) {
+TEST(BoardSession, ARestartedBoardIsDetectedBeforeAmplifiersAreEnabled) {
   for (int b = 0; b < 2; ++b) {
     Rig rig;
     rig.session.start();
@@ -270,14 +270,14 @@ TEST(BoardSession, PowerUpTimesOut) {
   }
 }
 
-TEST(BoardSession, EveryStateHasAText) {
+TEST(BoardSession, EveryStateHasADescriptionOfItsOwn) {
   std::set<std::string> words;
   for (const PowerState state : {PowerState::kOff, PowerState::kRelay, PowerState::kPower, PowerState::kAmps, PowerState::kOn, PowerState::kFault})
     EXPECT_TRUE(words.insert(describe(state)).second) << describe(state);
   EXPECT_EQ(words.count(""), 0U);
 }
 
-TEST(BoardSession, PreloadsAreVerifiedAndOnlyWhileOff) {
+TEST(BoardSession, EncodersArePreloadedOnlyWhilePowerIsOff) {
   Rig rig;
   rig.session.start();
   rig.cycles(3);

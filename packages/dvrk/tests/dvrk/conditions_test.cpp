@@ -200,7 +200,7 @@ double wave(int k) {
   return 1000.0 + (k % 50);
 }
 
-TEST_P(ConditionOfSection17, IsDetectedHandledAndSurvived) {
+TEST_P(ConditionOfSection17, IsDetectedAndRestartsOnlyOnRequest) {
   const Row& row = GetParam();
   SessionOptions how = Rig::options(row.protocol);
   how.bus.repeat_after = 0.0;  // each of these replies is gone for good
@@ -260,7 +260,7 @@ TEST_P(ConditionOfSection17, IsDetectedHandledAndSurvived) {
 }
 
 // Every number of the list has its test: here, as a refusal, or below.
-TEST(ConditionsOfSection17, EachHaveATest) {
+TEST(ConditionsOfSection17, AllHaveATestAndADescription) {
   std::vector<bool> tested(kConditions + 1, false);
   for (const Row& row : rows()) tested[static_cast<size_t>(row.condition)] = true;
   for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot), static_cast<int>(Condition::kLostReplies),
@@ -304,7 +304,7 @@ TEST(StallCheck, AStalledMotorIsSwitchedOff) {
   }
 }
 
-TEST(PotCheck, ALastingDifferenceSwitchesOff) {
+TEST(PotCheck, ALastingDifferenceOfPotAndEncoderSwitchesOff) {
   SessionOptions options = Rig::options();
   ChannelSafety& c = options.channels[0][0];
   c.counts_to_position = {1e-3, 0.0};

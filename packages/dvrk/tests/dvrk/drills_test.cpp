@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BadNetwork,
                                   std::to_string(static_cast<int>(std::get<1>(of.param)));
                          });
 
-TEST_P(BadNetwork, LeavesNoTorqueAndNoFalseReport) {
+TEST_P(BadNetwork, LeavesNoCurrentAfterAFaultAndNoFalseReport) {
   const auto& [network, protocol] = GetParam();
   Drill drill(protocol);
   ASSERT_TRUE(drill.bring_up()) << drill.session.faults().report();
@@ -185,7 +185,7 @@ TEST(Drills, LostWritesAreNotReportedAsPowerOff) {
   EXPECT_TRUE(drill.really_off());
 }
 
-TEST(Drills, DeadBoardsAreNotReportedAsPowerOff) {
+TEST(Drills, PowerOffWithoutRepliesIsReportedAsUnknown) {
   Drill drill;
   ASSERT_TRUE(drill.bring_up());
   drill.link.down.lose = 1.0;
@@ -196,7 +196,7 @@ TEST(Drills, DeadBoardsAreNotReportedAsPowerOff) {
 }
 
 // Nodes get new numbers while the motors run: off is confirmed all the same, after a scan.
-TEST(Drills, OffIsConfirmedAfterABusReset) {
+TEST(Drills, PowerOffIsConfirmedAfterABusReset) {
   Drill drill;
   ASSERT_TRUE(drill.bring_up());
   drill.emulator.bus_reset(0.01, {1, 0});
@@ -205,7 +205,7 @@ TEST(Drills, OffIsConfirmedAfterABusReset) {
 }
 
 // Enabling one amplifier does not clear the trip of another (section 14.3).
-TEST(Drills, AnAmplifierThatIsEnabledClearsItsOwnTripAlone) {
+TEST(Drills, EnablingAnAmplifierClearsOnlyItsOwnTrip) {
   EmulatedBoard board(Rig::setup(6));
   PowerChain chain;
   chain.relays_closed = true;

@@ -21,7 +21,7 @@ double one_tick(double speed) {
   return 1.01 * speed * speed / (4.0 * kClock) + 1e-9;
 }
 
-TEST(EmulatedEncoder, CountsAndSpeedArriveAtTheHost) {
+TEST(EmulatedEncoder, CountAndVelocityAreDecodedFromItsWords) {
   for (const double speed : {12.0, 431.0, 52000.0, -77.0, -250000.0}) {
     EmulatedEncoder encoder;
     encoder.power_up(0.5, 0);
@@ -36,7 +36,7 @@ TEST(EmulatedEncoder, CountsAndSpeedArriveAtTheHost) {
   }
 }
 
-TEST(EmulatedEncoder, AccelerationArrivesAtTheHost) {
+TEST(EmulatedEncoder, AccelerationIsDecodedFromItsWords) {
   EmulatedEncoder encoder;
   encoder.power_up(0.0, 0);
   const double a = 4000.0;
@@ -46,7 +46,7 @@ TEST(EmulatedEncoder, AccelerationArrivesAtTheHost) {
   EXPECT_NEAR(m.predicted, a * 0.5, 0.01 * a * 0.5);
 }
 
-TEST(EmulatedEncoder, RestAndReversalAreReported) {
+TEST(EmulatedEncoder, VelocityIsZeroAfterAReversalAndAtRest) {
   EmulatedEncoder encoder;
   encoder.power_up(0.5, 0);
   EXPECT_EQ(encoder.words(8, 10).period, 0xCBFFFFFFU);  // section 11.2, power-up
@@ -61,7 +61,7 @@ TEST(EmulatedEncoder, RestAndReversalAreReported) {
   EXPECT_EQ(encoder_motion(w).predicted, 0.0);
 }
 
-TEST(EmulatedEncoder, APreloadMovesTheCounterAndNotTheLines) {
+TEST(EmulatedEncoder, APreloadSetsTheCountAndNotTheEncoderLines) {
   EmulatedEncoder encoder;
   encoder.power_up(17.0, 0);
   const bool a = encoder.line_a();

@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 namespace {
 
 // Words and their decoding by the laboratory's library (threshold 1): specification 11.2.
-TEST(EncoderWords, MotionIsThatOfTheLaboratorysHost) {
+TEST(EncoderWords, DecodedMotionEqualsThatOfTheDvrkHostSoftware) {
   struct Case {
     std::uint32_t period, quarter1, quarter5, running;
     double velocity, predicted, acceleration;
@@ -34,7 +34,7 @@ TEST(EncoderWords, MotionIsThatOfTheLaboratorysHost) {
 
 // An encoder under constant acceleration, edge times computed here: the prediction is the true
 // speed now, while the mean over the last period is late.
-TEST(EncoderWords, PredictionFollowsConstantAcceleration) {
+TEST(EncoderWords, PredictedVelocityIsExactUnderConstantAcceleration) {
   const double start = 3000.0, acceleration = 40000.0;  // counts/s, counts/s^2
   const auto edge_time = [&](int k) {                   // x(t) = k for v0 t + a t^2 / 2
     return (std::sqrt(start * start + 2.0 * acceleration * k) - start) / acceleration;
@@ -75,7 +75,7 @@ TEST(EncoderWords, CountsAndPreloadAreInverse) {
   EXPECT_TRUE(encoder_error(0x5000C000));
 }
 
-TEST(EncoderWords, PowerUpWordsMeanRest) {
+TEST(EncoderWords, TheWordsAtPowerUpDecodeToRestAtCountZero) {
   const EncoderMotion motion = encoder_motion(EncoderWords{});
   EXPECT_EQ(motion.velocity, 0.0);
   EXPECT_EQ(motion.predicted, 0.0);
@@ -83,7 +83,7 @@ TEST(EncoderWords, PowerUpWordsMeanRest) {
 }
 
 // Numbers of specification 12.
-TEST(Analog, NominalConversionsAreThoseOfTheBoard) {
+TEST(Analog, NominalConversionsHaveTheNumbersOfTheSpecification) {
   EXPECT_NEAR(kNominalAmpsToBits.scale, 5242.88, 1e-9);
   EXPECT_NEAR(kNominalAmpsToBits(1.0), 38010.88, 1e-9);
   EXPECT_NEAR(kNominalBitsToAmps(0x8000), 0.0, 1e-15);

@@ -24,7 +24,7 @@ TEST(FaultLog, FoundValuesArePrintedWithTheirUnit) {
   EXPECT_EQ(describe_found(Condition::kNoSupply, 0x46BF0F0F), "0x46bf0f0f");
 }
 
-TEST(FaultLog, OneLineForEachConditionWithItsLastPlace) {
+TEST(FaultLog, TheReportHasOneLinePerConditionWithItsLastBoard) {
   FaultLog log;
   EXPECT_EQ(log.report(), "");
   log.note(Condition::kPot, 1.0, 6, 0, 0);
@@ -40,14 +40,14 @@ TEST(FaultLog, OneLineForEachConditionWithItsLastPlace) {
   EXPECT_EQ(log.report(), "");
 }
 
-TEST(FaultLog, NumbersAreThoseOfSection17) {
+TEST(FaultLog, ConditionNumbersAreThoseOfTheSpecification) {
   for (int k = 1; k <= 30; ++k) EXPECT_EQ(number_in_section_17(static_cast<Condition>(k)), k);
   EXPECT_EQ(number_in_section_17(Condition::kTemperature), 23);
   EXPECT_EQ(number_in_section_17(Condition::kPot), 23);
 }
 
 // The largest unplanned part gives the gap its reason; of the system's two parts the larger is named.
-TEST(LoopTiming, TheReasonOfAGapIsItsLargestPart) {
+TEST(LoopTiming, ALateCycleIsAttributedToItsLargestUnplannedPart) {
   const struct {
     WriteGap gap;
     LateReason reason;

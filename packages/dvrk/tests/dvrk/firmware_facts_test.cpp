@@ -37,7 +37,7 @@ TEST(Dallas, TheInterfaceIsEnabledAndACommandSucceeds) {
   }
 }
 
-TEST(IoExpander, ReportsItselfAndTheMotorSupply) {
+TEST(IoExpander, ItsBitsShowItsPresenceAndTheMotorSupply) {
   for (const bool has : {true, false}) {
     BoardSetup setup = Rig::setup(6);
     setup.io_expander = has;
@@ -56,7 +56,7 @@ TEST(IoExpander, ReportsItselfAndTheMotorSupply) {
 }
 
 // The answer to a packet that was not forwarded does not indicate the state of the FireWire bus.
-TEST(Trailer, OfAnUnforwardedPacketIndicatesNoBusReset) {
+TEST(Trailer, OfAnUnforwardedPacketIsNotTakenForABusReset) {
   for (const bool local : {true, false}) {
     Rig rig(CycleProtocol::kSequential, {Rig::setup(6, 9), Rig::setup(7, 9)});
     ASSERT_TRUE(rig.bring_up());
@@ -69,7 +69,7 @@ TEST(Trailer, OfAnUnforwardedPacketIndicatesNoBusReset) {
 }
 
 // Rev 7 shows commands in registers alone: a board that ignores real-time writes is found there.
-TEST(Rev7, LostWritesAreCounted) {
+TEST(Rev7, ABoardThatIgnoresWritesIsDetected) {
   for (const bool ignores : {true, false}) {
     Rig rig(CycleProtocol::kAutomatic, {Rig::setup(6, 7), Rig::setup(7, 7)});
     ASSERT_TRUE(rig.bring_up());
@@ -107,7 +107,7 @@ TEST(Causes, ARelayThatOpensIsNamedWithItsBoard) {
   EXPECT_EQ(rig.session.cause(), Condition::kNoSupply);
 }
 
-TEST(Causes, AnotherBoardThanExpectedIsNamed) {
+TEST(Causes, AWrongBoardAndABusResetAreDistinguished) {
   Rig rig;
   ASSERT_TRUE(rig.bring_up());
   rig.emulator.board(1).faults.wrong_id = 3;
@@ -122,7 +122,7 @@ TEST(Causes, AnotherBoardThanExpectedIsNamed) {
 
 // Without FireWire a node is its board's id, nothing is forwarded, and "all" is a group (section
 // 8.5): a session comes up, drives both boards and goes down.
-TEST(EthernetOnly, ASessionDrivesBoardsOfFpgaV3) {
+TEST(EthernetOnly, ASessionWithoutFirewireDrivesFpgaV3Boards) {
   for (const CycleProtocol protocol : {CycleProtocol::kAutomatic, CycleProtocol::kSequential}) {
     Rig rig(protocol, {Rig::setup(6, 9), Rig::setup(7, 9)});
     rig.emulator.without_firewire();
@@ -149,7 +149,7 @@ TEST(EthernetOnly, ASessionDrivesBoardsOfFpgaV3) {
 }
 
 // The laboratory's query, byte for byte as section 19.10 captured it; the blocks come unasked.
-TEST(EthernetOnly, AQueryIsAnsweredUnasked) {
+TEST(EthernetOnly, ABroadcastQueryIsAnsweredWithTheBlocksOfAllBoards) {
   BoardEmulator emulator({Rig::setup(6, 9), Rig::setup(7, 9)}, 0);
   emulator.without_firewire();
   const std::array<std::uint8_t, 22> query{0x01, 0x03, 0xff, 0xff, 0xbc, 0x00, 0xff, 0xd0, 0x00, 0x00, 0x00,

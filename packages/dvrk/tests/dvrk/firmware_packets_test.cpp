@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(All, Firmware,
                                   std::to_string(static_cast<int>(std::get<1>(of.param)));
                          });
 
-TEST_P(Firmware, EveryPacketIsThatOfTheSpecification) {
+TEST_P(Firmware, EveryPacketOfASessionMatchesTheSpecification) {
   BoardEmulator emulator({Rig::setup(6, firmware()), Rig::setup(7, firmware())}, 3);
   EmulatedLink link(emulator);
   Recorder recorder(link);
@@ -265,7 +265,7 @@ TEST_P(Firmware, EveryPacketIsThatOfTheSpecification) {
 
 // Section 2.4, 4.2 and 4.3 for firmware 9: what is marked "do not forward" is answered by the board
 // with that id under its id, with the mark; what is not, and is for everyone, by nobody.
-TEST(Firmware9, AnswersAsItsHostExpects) {
+TEST(Firmware9, UnforwardedReadsAreAnsweredByTheBoardWithThatId) {
   BoardEmulator emulator({Rig::setup(6, 9), Rig::setup(7, 9)}, 3);
   const auto asked = [&](int flags, int node, Ticks at) {
     Request r;

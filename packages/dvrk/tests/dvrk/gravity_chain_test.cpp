@@ -87,7 +87,7 @@ TEST(GravityChain, CentresAreNearTheirLinks) {
 
 // A counterweight that slides a little askew: no serial chain has that gravity, and the error that
 // is stated is the true one, within the limits of the model where these are narrower than the arm's.
-TEST(GravityChain, TheErrorOfABranchedArmIsStated) {
+TEST(GravityChain, TheStatedErrorOfABranchedArmIsTheTrueOne) {
   for (const double share : {1.0, 0.2}) {
     ModelDescription description = with_random_bodies(read_model("psm-3dof"), 7).description();
     for (Frame& frame : description.frames)
@@ -139,7 +139,7 @@ TEST(GravityChain, UnrepresentableModelsAreRefused) {
 }
 
 // If the limits of model and arm do not overlap, those of the arm are used.
-TEST(GravityChain, DisjointLimitsAreTakenFromTheArm) {
+TEST(GravityChain, LimitsOfTheArmAreUsedIfThoseOfTheModelAreDisjoint) {
   const auto fitted = [](double lower, double upper) {
     ModelDescription description = with_random_bodies(read_model("psm-3dof"), 9).description();
     for (Coordinate& c : description.coordinates) {
@@ -158,7 +158,7 @@ TEST(GravityChain, DisjointLimitsAreTakenFromTheArm) {
 }
 
 // Effects that hold the arm besides gravity are named; a spring of unknown stiffness, and friction that rests, are not.
-TEST(GravityChain, OtherHoldingEffectsAreNamed) {
+TEST(GravityChain, HoldingEffectsBesideGravityAreListed) {
   ModelDescription description = with_random_bodies(read_model("psm-3dof"), 10).description();
   description.effects.clear();
   const auto add = [&](const char* name, int joint, std::map<std::string, double> values) {
@@ -179,7 +179,7 @@ TEST(GravityChain, OtherHoldingEffectsAreNamed) {
   EXPECT_EQ(file.at("veridyn").at("gravity_torques").at("pitch").at("largest_torque"), chain.largest_torque[1]);
 }
 
-TEST(GravityChain, RowsAreAsManyAsJoints) {
+TEST(GravityChain, AJointVectorOfTheWrongLengthIsRefused) {
   const GravityChain chain = fit_gravity_chain(with_random_bodies(read_model("psm-3dof"), 11), read_arm("PSM1"));
   EXPECT_TRUE(refuses_with("q has 3 entries, expected 6", [&] { gravity_torques(chain, VectorXd::Zero(3)); }));
 }
@@ -196,7 +196,7 @@ class StaticFile : public testing::Test {
                           .string();
 };
 
-TEST_F(StaticFile, AreReadWithOrWithoutAHeader) {
+TEST_F(StaticFile, IsReadWithOrWithoutAHeader) {
   const StaticTorques plain = read_static_torques(write("0.1,0.2,1,2\n0.3,0.4,3,4\n"));
   const StaticTorques named =
       read_static_torques(write("# rest\npose,tau2,tau1,q1,q2\n7,2,1,0.1,0.2\n8,4,3,0.3,0.4\n"));
@@ -208,7 +208,7 @@ TEST_F(StaticFile, AreReadWithOrWithoutAHeader) {
   }
 }
 
-TEST_F(StaticFile, MistakesNameTheLine) {
+TEST_F(StaticFile, AnInvalidFileIsRefusedWithItsLine) {
   const auto message_of = [&](const std::string& content) -> std::string {
     return refusal([&] { read_static_torques(write(content)); });
   };

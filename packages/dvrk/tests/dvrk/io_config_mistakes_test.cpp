@@ -160,7 +160,7 @@ TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
 }
 
 // Rows of a coupling have as many numbers as there are actuators, in either format.
-TEST(IoConfig, RowsOfACouplingHaveANumberForEachActuator) {
+TEST(IoConfig, ACouplingMatrixOfTheWrongSizeIsRefused) {
   const IoConfig config = nominal_config(read_arm("MTMR"));
   const struct {
     bool json;
@@ -178,14 +178,14 @@ TEST(IoConfig, RowsOfACouplingHaveANumberForEachActuator) {
   }
 }
 
-TEST(IoConfig, ABrakesCurrentsAreWithinItsLargest) {
+TEST(IoConfig, ABrakeCurrentAboveItsMaximumIsRefused) {
   IoConfig config = nominal_config(read_arm("ECM"));
   config.robots[0].actuators[0].brake->released_current = 0.3;  // of 0.25 A
   EXPECT_TRUE(refuses_with("AnalogBrake: found a current above the brake's MaxCurrent", [&] { read_io_xml(to_io_xml(config), "f"); }));
 }
 
 // Whether a file is XML or JSON is recognised by its first character, after a byte order mark and blanks.
-TEST(IoConfig, EitherFormatIsKnownByItsFirstCharacter) {
+TEST(IoConfig, XmlAndJsonAreDistinguishedByTheFirstCharacter) {
   const IoConfig config = nominal_config(read_arm("PSM2"));
   const std::string path = testing::TempDir() + "veridyn_format_" + std::to_string(::getpid());
   for (const std::string& content : {to_io_xml(config), to_io_json(config), "\xEF\xBB\xBF \n" + to_io_json(config)}) {
@@ -250,7 +250,7 @@ TEST(IoConfig, DamagedFilesAreReadOrRefused) {
 }
 
 // A file of some megabytes is read in the time that its bytes take: its elements are many, not deep.
-TEST(IoConfig, ManyElementsAreReadOnce) {
+TEST(IoConfig, FiftyThousandElementsAreRead) {
   std::string xml = "<Config Version=\"5\">\n", json = "{\"digital_inputs\": [";
   constexpr int kMany = 50000;
   for (int k = 0; k < kMany; ++k) {
@@ -261,7 +261,7 @@ TEST(IoConfig, ManyElementsAreReadOnce) {
   EXPECT_EQ(read_io_json(json + "]}", "f").digital_inputs.size(), static_cast<std::size_t>(kMany));
 }
 
-TEST(IoConfig, AlternativeJsonNamesAreRead) {
+TEST(IoConfig, AlternativeJsonKeysAreRead) {
   const std::string json = R"({"digital_inputs": [
     {"name": "a", "board_id": 1, "bit_id": 2, "pressed_value": false, "trigger_when_pressed": true,
      "trigger_when_released": false, "debounce_threshold": 0.1},

@@ -146,7 +146,7 @@ TEST(IoConfig, TheExampleIsReadInSiUnits) {
   EXPECT_NEAR(config.digital_inputs[0].debounce_click, 0.04, 1e-15);  // 20 % of 0.2 s
 }
 
-TEST(IoConfig, InputPolarityFollowsTheFile) {
+TEST(IoConfig, AnInputIsPressedAtItsConfiguredLevel) {
   DigitalInputConfig input;
   input.bit = 7;
   input.pressed_when_low = true;
@@ -196,7 +196,7 @@ TEST(IoConfig, HandWrittenJsonIsRead) {
 }
 
 // Lists without items, as programs write them: nothing is there, and nothing is wrong.
-TEST(IoConfig, EmptyListsOfJsonAreNoItems) {
+TEST(IoConfig, EmptyJsonListsAddNothing) {
   std::string json = to_io_json(nominal_config(read_arm("PSM1")));
   json.replace(json.rfind('}'), 1, R"(, "digital_inputs": [], "digital_outputs": [], "dallas_chips": [] })");
   json.replace(json.find("\"joint_type\""), 0, "\"brakes\": [], ");
@@ -220,7 +220,7 @@ TEST(IoConfig, NumbersThatAFileCannotHoldAreRefused) {
 }
 
 // A gripper: a pot and nothing else. It is read and written, but is no arm to drive.
-TEST(IoConfig, InputsAloneNeedNoDrive) {
+TEST(IoConfig, AnInputOnlyRobotIsReadAndCannotBeDriven) {
   const std::string xml = R"(<Config Version="5">
   <Robot Name="MTML-Gripper" HardwareVersion="QLA1" NumOfActuator="1" Type="io-only">
     <Actuator ActuatorID="0" BoardID="1" AxisID="3" Type="Revolute">
@@ -242,7 +242,7 @@ TEST(IoConfig, InputsAloneNeedNoDrive) {
   EXPECT_THROW(read_io_xml(robot, "io.xml"), InvalidInput);
 }
 
-TEST(IoConfig, CurrentOppositeToPositionIsRemarked) {
+TEST(IoConfig, ACurrentSignOppositeToThePositionIsRemarked) {
   IoConfig config = read_io_config(kExample);
   config.robots[0].actuators[4].bits_to_position *= -1.0;
   const IoConfig back = read_io_xml(to_io_xml(config), "io.xml");

@@ -129,7 +129,7 @@ Recording true_rows(Recording rows) {
 
 // A motion is led in true positions by a model that knows its sensors, as well as without errors; by
 // one that does not, it is off by the zero.
-TEST(ModelController, SensorErrorsOfTheModelAreCorrected) {
+TEST(ModelController, AnEncoderZeroInTheModelIsCorrectedInTheMotion) {
   Trial plain(ControlLaw::kComputedTorque);
   const double usual = worst_joint_error(plain.run().rows);
   for (const bool knows : {true, false}) {
@@ -148,7 +148,7 @@ TEST(ModelController, SensorErrorsOfTheModelAreCorrected) {
 }
 
 // The torque of gravity at the true place, as the drives count it; without that the arm sinks.
-TEST(ModelController, AWeightlessArmWithWrongSensorsStaysWhereItIs) {
+TEST(ModelController, GravityCompensationHoldsAnArmWhoseSensorErrorsAreModelled) {
   for (const bool knows : {true, false}) {
     Trial trial(ControlLaw::kGravity, knows ? with_wrong_shoulder() : read_model("planar-2r"));
     trial.bench.load.set_sensors(JointSensors(with_wrong_shoulder()));
@@ -226,7 +226,7 @@ TEST(ModelController, ALostBoardEndsEveryLawWithoutCurrents) {
 }
 
 // The arm is thrown: the supervisor's velocity limit ends the run, with its name and the joint's.
-TEST(ModelController, TheSupervisorEndsARunByName) {
+TEST(ModelController, AVelocityBeyondTheSupervisorsLimitEndsTheRunWithItsJoint) {
   bool thrown = false;
   int cycles = 0;  // with currents, since
   Trial trial(ControlLaw::kGravity);

@@ -48,7 +48,7 @@ class GuardedBuffer {
   std::uint8_t* begin_ = nullptr;
 };
 
-TEST(MutatedDatagrams, AreDecodedWithinBoundsAndConsistently) {
+TEST(MutatedDatagrams, AreDecodedWithoutReadingBeyondTheirEnd) {
   GuardedBuffer buffer;
   Mutator mutator(19);
   for (long k = 0; k < 2000000; ++k) {
@@ -59,7 +59,7 @@ TEST(MutatedDatagrams, AreDecodedWithinBoundsAndConsistently) {
   }
 }
 
-TEST(MutatedDatagrams, EveryPrefixOfEveryVectorIsSafe) {
+TEST(MutatedDatagrams, EveryTruncatedPacketIsDecodedWithoutReadingBeyondItsEnd) {
   GuardedBuffer buffer;
   for (const Vector& v : vectors()) {
     const std::vector<std::uint8_t> bytes = bytes_of(v.hex);

@@ -35,7 +35,7 @@ const std::string& hex(const char* section, const char* name) {
   return vector_named(section, name).hex;
 }
 
-TEST(Crc, MatchesKnownValues) {
+TEST(Crc, EqualsKnownCheckValues) {
   const Bytes digits = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   EXPECT_EQ(crc32(view(digits)), 0xFC891918U);
   EXPECT_EQ(crc32(view(Bytes(16, 0))), 0xAAD2DD37U);
@@ -206,7 +206,7 @@ TEST(Requests, CommandRequestsAreEncodedByteForByte) {
   EXPECT_EQ(encoded(block_write(63, 54, both, 2, 7, buffer)), hex("19.8", "broadcast write"));
 }
 
-TEST(Feedback, MatchesTheTableOfTheSpecification) {
+TEST(Feedback, IsDecodedAsInTheTableOfTheSpecification) {
   const Bytes bytes = bytes_of(hex("19.6", "board to PC"));
   Reply r;
   ASSERT_EQ(decode(view(bytes), r), Malformed::kNone);
@@ -268,7 +268,7 @@ TEST(Commands, Rev7AppliesTheControlWordOnlyIfAllFourIdsMatch) {
   EXPECT_TRUE(command.channel[1].valid);
 }
 
-TEST(Sizes, ABroadcastReadOfManyBoardsHasTheSizeOfTheSpecification) {
+TEST(Sizes, BroadcastReadsOfUpToTenBoardsFitOneEthernetFrame) {
   const auto bytes = [](int boards, int firmware) {
     return 4 * (static_cast<std::size_t>(boards) * hub_quadlets(firmware) + 1);
   };
@@ -280,7 +280,7 @@ TEST(Sizes, ABroadcastReadOfManyBoardsHasTheSizeOfTheSpecification) {
   EXPECT_GT(bytes(13, 7), largest_read(1500));
 }
 
-TEST(Sequence, NeverIsZero) {
+TEST(Sequence, SkipsZeroWhenItWrapsAround) {
   EXPECT_EQ(next_sequence(1), 2);
   EXPECT_EQ(next_sequence(0xFFFF), 1);
 }
@@ -301,7 +301,7 @@ TEST(HubHeaders, SurviveARoundTrip) {
   }
 }
 
-TEST(HubHeaders, OfAnotherSequenceDoNotAnswer) {
+TEST(HubHeaders, AnswerOnlyAQueryOfTheirOwnSequenceNumber) {
   HubHeader header;
   header.sequence = 0x34;
   EXPECT_TRUE(answers(header, 0x1234, 8));
@@ -314,7 +314,7 @@ TEST(HubHeaders, OfAnotherSequenceDoNotAnswer) {
 }
 
 // Words beyond a firmware's block belong to the next block.
-TEST(Feedback, HasOnlyTheWordsOfItsFirmware) {
+TEST(Feedback, OnlyWordsOfItsFirmwareVersionAreDecoded) {
   std::array<std::uint8_t, 4 * 32> bytes{};
   bytes.fill(0xA5);
   const QuadletView block({bytes.data(), bytes.size()});

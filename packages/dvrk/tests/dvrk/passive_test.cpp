@@ -31,7 +31,7 @@ class Listeners : public testing::TestWithParam<Access> {};
 INSTANTIATE_TEST_SUITE_P(Both, Listeners,
                          testing::Values(Access::kListen, Access::kListenByRegister));
 
-TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
+TEST_P(Listeners, ReadTheArmWithoutSendingAnyWrite) {
   PlanarArm arm;
   BadLink link(arm.emulator);
   std::atomic<bool> stop{false};
@@ -59,7 +59,7 @@ TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
 }
 
 // Homing beside a program that drives is refused before anything is written.
-TEST(Homing, ChecksPowerWithoutAWrite) {
+TEST(Homing, IsRefusedWithoutAWriteWhileTheMotorsHavePower) {
   PlanarArm arm;
   BadLink link(arm.emulator);
   EXPECT_NO_THROW(require_no_power(link, planar_config(), {}));
@@ -137,7 +137,7 @@ TEST(Listening, ByRegisterDoesNotResetTimestamps) {
 
 // A second host with the packets of an independent implementation: those of
 // section 19 drive both boards while we look. Its amplifiers stay on.
-TEST(Listening, ASecondHostKeepsItsAmplifiers) {
+TEST(Listening, ListeningLeavesTheAmplifiersOfAnotherHostOn) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
   BadLink host(emulator), ours(emulator);
   const auto send = [&](const char* section, const char* name) {
@@ -184,7 +184,7 @@ TEST(Listening, ASecondHostKeepsItsAmplifiers) {
 
 // Over real sockets, during a run. On a busy machine the clock may end the run, but never the
 // passive reader.
-TEST(Listening, WorksDuringARunOverUdp) {
+TEST(Listening, AListenerReadsDuringARunOverUdp) {
   PlanarArm arm;
   BoardServer server(arm.emulator, 0);
   std::atomic<bool> stop_server{false}, stop{false};

@@ -133,7 +133,7 @@ Event parsed_event(const std::string& words, double at) {
   return {at, [words](BoardEmulator& e) { board_events({words + "@0"}, e).front().happen(e); }};
 }
 
-TEST(PsmDrills, EventsOccurDuringTheMotion) {
+TEST(PsmDrills, TheArmMovesAtTheTimesOfTheInjectedEvents) {
   for (const Law law : {Law::kPid, Law::kComputedTorque, Law::kImpedance}) {
     Psm psm;
     double from = 0.0, until = 0.0;
@@ -148,7 +148,7 @@ TEST(PsmDrills, EventsOccurDuringTheMotion) {
 }
 
 // One reply that is lost, or 9 ms late, wherever the arm moves: nothing has jumped.
-TEST(PsmDrills, OneReplyThatIsLostOrLateEndsNothing) {
+TEST(PsmDrills, OneLostOrLateReplyDoesNotEndTheRun) {
   for (const Law law : {Law::kPid, Law::kComputedTorque, Law::kImpedance}) {
     for (const ReplyFault fault : {ReplyFault::kDrop, ReplyFault::kDelay}) {
       Psm psm;
@@ -182,7 +182,7 @@ TEST(PsmDrills, AGapInTheRepliesEndsTheRun) {
 }
 
 // 0.3 degrees in one cycle is what a joint makes at 8 rad/s; its limit is 2.
-TEST(PsmDrills, APositionThatJumpsIsNoticedInOneCycle) {
+TEST(PsmDrills, APositionJumpSwitchesOffWithinThreeCycles) {
   for (const double degrees : {0.3, -0.3, 5.0}) {
     for (const double at : {kFrom, 5.7, 6.3}) {
       Psm psm;
@@ -204,7 +204,7 @@ struct Ending {
 };
 
 // Each event ends every law's run with a true word, and the motors are without current soon.
-TEST(PsmDrills, EveryEventIsNamedAndLeavesNoCurrent) {
+TEST(PsmDrills, EveryFaultEndsTheRunWithItsNameAndLeavesNoCurrent) {
   const std::vector<Ending> endings = {
       {"old", "old replies in the place of new ones (board 6)", 0.004},
       {"ignore-writes:6", "a write had no effect (board 6)", 0.06},

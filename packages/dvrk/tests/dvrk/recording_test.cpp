@@ -134,7 +134,7 @@ TEST(RowFile, AFullDiskWithoutARowLeavesNoFile) {
 }
 
 // A link to a file stays one.
-TEST(RowFile, SymbolicLinksAreFollowed) {
+TEST(RowFile, ASymbolicLinkIsKeptAndItsTargetWritten) {
   const auto folder = std::filesystem::temp_directory_path() / ("veridyn-linked-" + std::to_string(::getpid()));
   std::filesystem::create_directory(folder);
   const std::string path = (folder / "link.csv").string(), target = (folder / "target.csv").string();
@@ -153,7 +153,7 @@ TEST(RowFile, SymbolicLinksAreFollowed) {
 
 // The boards' counter gives times that no late wake-up disturbs; somebody else who reads the
 // boards restarts it, and the time that he took is added.
-TEST(LatchTime, KeepsTrueTimeBesideAnotherReader) {
+TEST(LatchTime, IsCorrectIfAnotherReaderRestartsTheCounter) {
   constexpr double kCycle = 1.0 / 1500.0;
   for (const bool another : {false, true}) {
     LatchTime latch;
@@ -192,7 +192,7 @@ struct Late {
   LateReason reason;
 };
 
-TEST(CycleClock, GivesEveryGapItsReason) {
+TEST(CycleClock, ALateCycleIsAttributedToTheSystemOrToReplies) {
   for (const Late& late :
        {Late{0.030, 0.0, 0.0, LateReason::kSystem}, Late{0.0, 0.030, 0.0, LateReason::kReplies},
         Late{0.0, 0.030, 0.029, LateReason::kSystem}}) {

@@ -10,7 +10,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-TEST(RunJson, StatesInOneWordWhetherThePowerIsOff) {
+TEST(RunJson, StatesWhetherPowerOffWasConfirmed) {
   for (const auto& [power, word] : {std::pair{OffState::kNotAsked, "not asked"},
                                     {OffState::kConfirmed, "confirmed"},
                                     {OffState::kPowerOn, "not confirmed"},
@@ -26,7 +26,7 @@ TEST(RunJson, StatesInOneWordWhetherThePowerIsOff) {
   }
 }
 
-TEST(RunJson, FaultsHaveTheirNumberAndTheirPlace) {
+TEST(RunJson, FaultsHaveConditionNumberBoardAndChannel) {
   FaultLog faults;
   faults.note(Condition::kRelayOpen, 1.5, 1, 2);
   faults.note(Condition::kRelayOpen, 2.5, 1, 2);

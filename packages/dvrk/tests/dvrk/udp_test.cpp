@@ -32,7 +32,7 @@ class Served : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(Served, ASessionComesUpDrivesAndGoesDown) {
+TEST_F(Served, ASessionOverUdpPowersUpDrivesAndPowersDown) {
   for (const CycleProtocol protocol :
        {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
     UdpLink link("127.0.0.1", server_.port());
@@ -57,7 +57,7 @@ TEST_F(Served, ASessionComesUpDrivesAndGoesDown) {
   }
 }
 
-TEST_F(Served, ADeadServerIsNoticed) {
+TEST_F(Served, AStoppedServerIsReportedAsMissingReplies) {
   UdpLink link("127.0.0.1", server_.port());
   SessionOptions options = Rig::options();
   BoardSession session(link, options);
@@ -101,7 +101,7 @@ int socket_at(const char* address, std::uint16_t port) {
 
 // Boards have the server's address, and from Rev 9 on the hub has it plus its id. Whoever has
 // another address of the same network, and the right port, is no board.
-TEST(Udp, RepliesCountFromTheBoardsOwnAddressesAlone) {
+TEST(Udp, RepliesFromForeignAddressesAreIgnored) {
   const int board = socket_at("127.0.0.1", 0);
   sockaddr_in own{};
   socklen_t size = sizeof own;

@@ -28,7 +28,7 @@ struct Command {
   double age = 0.0;          ///< [s] difference of its stamp and its arrival; 0: no stamp
   int count = 0;             ///< entries of `joints`
   double joints[kMostJoints] = {};  ///< [rad], [m], or [N m], [N]
-  double position[3] = {};          ///< [m] in the arm's base
+  double position[3] = {};          ///< [m] position in the arm's base
   double quaternion[4] = {0, 0, 0, 1};  ///< x, y, z, w
   double six[6] = {};                   ///< wrench or twist at the tip, base axes
 };
@@ -50,32 +50,32 @@ const char* name_of(Mode mode) noexcept;
 
 /// Feedback of an arm at one instant; fixed size, for snapshots without locks.
 struct Feedback {
-  double time = 0.0;  ///< [s] of the loop's clock
+  double time = 0.0;  ///< [s] time of the loop's clock
   int joints = 0;
   double q[kMostJoints] = {}, dq[kMostJoints] = {}, tau[kMostJoints] = {};
   double setpoint[kMostJoints] = {};
-  double position[3] = {}, quaternion[4] = {0, 0, 0, 1};  ///< of the tip in the base
+  double position[3] = {}, quaternion[4] = {0, 0, 0, 1};  ///< [m] position and orientation of the tip in the base
   double setpoint_position[3] = {}, setpoint_quaternion[4] = {0, 0, 0, 1};
   double twist[6] = {}, wrench[6] = {};  ///< tip, base axes; the wrench from torques beyond gravity
   OperatingState state = OperatingState::kDisabled;
   Mode mode = Mode::kOff;
   bool homed = false, busy = false;
   veridyn::SafetyFault fault = veridyn::SafetyFault::kNone;
-  Refusal refusal = Refusal::kNone;  ///< of the last command that was refused
+  Refusal refusal = Refusal::kNone;  ///< reason of the last refusal
   std::uint64_t refusals = 0;        ///< number of refused commands
   std::uint64_t lost_streams = 0;    ///< number of streams of commands that ended without notice
 };
 
 struct CrtkOptions {
   std::string tip;               ///< frame; empty: "tool", or else the last one
-  double hold_after = 0.1;       ///< [s] without a command of a stream, after which the arm holds
-  double release_after = 1.0;    ///< [s] without a command, after which the arm is released (see below)
+  double hold_after = 0.1;       ///< [s] gap in a stream of commands after which the arm holds
+  double release_after = 1.0;    ///< [s] time without a command after which the arm is released (see below)
   double oldest = 0.5;           ///< [s] largest age of a command, by its stamp; older ones are refused
   double oldest_positions = 0.05;  ///< [s] largest age of positions; older ones are a fault
   double longest_cycle = 0.05;     ///< [s] longest cycle; a longer one is a fault
   double frequency = 5.0;        ///< [Hz] bandwidth of the joint loops, critically damped
   double smoothing = 60.0;       ///< [1/s] bandwidth of each of the three lags of setpoints
-  double observer = 10.0;        ///< [1/s] of the observer of model errors
+  double observer = 10.0;        ///< [1/s] bandwidth of the observer of model errors
   double move_velocity = 0.3;    ///< share of the velocity limits in moves
   double velocity = 1.0;         ///< [rad/s], [m/s / 5] where the robot file gives no limit
   double effort = 40.0;          ///< [N m], [N] where the robot file gives no limit

@@ -11,9 +11,9 @@ namespace {
 using namespace veridyn;
 using Kind = Command::Kind;
 
-constexpr double kReach = 0.1;        // [s] at the velocity limit: a farther setpoint is refused
-constexpr double kLeastMove = 0.2;    // [s]
-constexpr double kAccelerate = 0.25;  // [s] to reach the velocity of a move
+constexpr double kReach = 0.1;  // [s] duration at the velocity limit: a farther setpoint is refused
+constexpr double kLeastMove = 0.2;    // [s] shortest duration of a move
+constexpr double kAccelerate = 0.25;  // [s] time to reach the velocity of a move
 
 bool streams(Kind kind) {
   return kind == Kind::kServoJp || kind == Kind::kServoJf || kind == Kind::kServoCp ||
@@ -112,7 +112,7 @@ Refusal CrtkArm::refusal_of(const Command& c) noexcept {
   if (moves(c.kind) && mode_ == Mode::kServo && c.client != client_ && silent_ < options_.hold_after)
     return Refusal::kOtherClient;
   if (needs_joints(c.kind) && c.count != n_) return Refusal::kWrongSize;
-  if (mode_ == Mode::kReleased) hold();  // from the present position of the arm
+  if (mode_ == Mode::kReleased) hold();  // motion starts from the present position of the arm
   switch (c.kind) {
     case Kind::kServoJp: return accept_joints(c, false);
     case Kind::kMoveJp: return accept_joints(c, true);

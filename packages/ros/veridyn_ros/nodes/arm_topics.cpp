@@ -8,7 +8,7 @@ namespace {
 
 using Kind = Command::Kind;
 
-constexpr double kClockJump = 1.0;  // [s]
+constexpr double kClockJump = 1.0;  // [s] change of the offset that counts as a jump of ROS' clock
 
 // [s] since the stamp; 0: no stamp.
 double age_of(const std_msgs::Header& header) {

@@ -59,7 +59,7 @@ class ArmTopics {
   Snapshot<Feedback>& from_loop_;
   Feedback now_;
   ros::Time stamp();
-  double clock_ahead_ = 0.0;  // [s] by which ROS' clock is ahead of the loop's
+  double clock_ahead_ = 0.0;  // [s] ROS' clock minus the loop's clock
   OperatingState told_state_ = OperatingState::kDisabled;
   bool told_ = false, told_homed_ = false, told_busy_ = false;
   std::uint64_t told_refusals_ = 0, told_lost_ = 0;

@@ -41,7 +41,7 @@ struct Arm {
   // Used by the loop's thread only.
   MotorTorque now;
   VectorXd tau;
-  bool refused = false;  // since the controller was enabled last
+  bool refused = false;  // a fault occurred since the controller was enabled
   Spread answered;
   // Used by the network's thread only.
   MotorState told;
@@ -148,7 +148,7 @@ class Boards {
       boards.set_torques(arm.tau);
     }
     boards.write();
-    if (valid && !(arm.refused && arm.enabled)) put(arm);  // silence makes a fault of the controller
+    if (valid && !(arm.refused && arm.enabled)) put(arm);  // missing positions are a fault of the controller
     if (why == nullptr && arm.refused) return;              // the last text is kept
     arm.words.write({why != nullptr ? why : boards.ready() ? "on" : boards.powered() ? "powering up" : "off"});
   }

@@ -20,7 +20,7 @@ namespace {
 
 using veridyn::VectorXd;
 
-constexpr double kLostMotors = 0.02;  // [s] without positions: no torque is computed from them
+constexpr double kLostMotors = 0.02;  // [s] age of positions above which no torque is computed from them
 constexpr double kOverrun = 0.5;      // share of a period by which a cycle counts as late
 constexpr long kTold = 100;           // cycles between two reports of the loop's timing
 
@@ -34,7 +34,7 @@ struct Arm {
     sensors.add_position_errors(q);
   }
   CrtkArm arm;
-  veridyn::JointSensors sensors;  // of the arm that is simulated here
+  veridyn::JointSensors sensors;  // sensor errors of the simulated arm
   std::unique_ptr<veridyn::Engine> plant;
   VectorXd q, dq, tau;
   ArmTopics::Commands commands;
@@ -153,7 +153,7 @@ class Controller {
     // A simulated arm advances by one cycle, whatever the clock.
     arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt, inside_ || arm.motors.powered);
     if (inside_) {
-      if (arm.arm.state() != OperatingState::kDisabled) {  // else its brakes hold it
+      if (arm.arm.state() != OperatingState::kDisabled) {  // otherwise its brakes hold it
         arm.sensors.correct_torques(arm.tau);
         arm.plant->step(arm.tau, 1.0 / rate_);
         arm.q = arm.plant->q();

@@ -188,7 +188,7 @@ class Cooperation {
     }
   }
 
-  // Splits "t=1.200 state="tracks" master=x,y,z spring=5.0" into topics.
+  // Publishes the part after the quoted state of `t=1.200 state="tracks" master=x,y,z spring=5.0` as topics.
   void publish_state(const std::string& line) {
     std_msgs::String whole;
     whole.data = line;
@@ -215,7 +215,7 @@ class Cooperation {
   Scenario scenario_;
   TopicLines lines_;
   std::string member_;
-  double wanted_ = 0.0, began_ = 0.0;  // [N], [s]
+  double wanted_ = 0.0, began_ = 0.0;  // [N] reference force, [s] start of the run
   std::vector<ros::Publisher> joints_;
   std::vector<std::vector<std::string>> names_;
   std::map<std::string, ros::Publisher> tips_, forces_;

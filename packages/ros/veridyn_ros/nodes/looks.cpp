@@ -18,8 +18,8 @@ using namespace veridyn;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kShortest = 1e-3;  // [m] of a rod
-constexpr double kSame = 1e-6;      // [m]
+constexpr double kShortest = 1e-3;  // [m] length below which no rod is drawn
+constexpr double kSame = 1e-6;      // [m] distance below which two points are the same
 
 // `share` of the joints' ranges; for joints without limits, radians.
 VectorXd posture(const Model& arm, double share) {

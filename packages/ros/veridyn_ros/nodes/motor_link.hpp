@@ -12,9 +12,9 @@ namespace veridyn_ros {
 /// Positions from an arm's motors, and torques to be sent to them.
 struct MotorState {
   double q[kMostJoints] = {}, dq[kMostJoints] = {}, tau[kMostJoints] = {};
-  bool powered = true;  ///< torques take effect
-  double stamp = 0.0;  ///< [s] of the steady clock at arrival
-  double said = 0.0;   ///< [s] of ROS' clock, from the message
+  bool powered = true;  ///< true if torques take effect
+  double stamp = 0.0;  ///< [s] time of the arrival, by the steady clock
+  double said = 0.0;   ///< [s] time in the message, by ROS' clock
   bool seen = false;
 };
 struct MotorTorque {
@@ -32,7 +32,7 @@ class Cycle {
   explicit Cycle(double period);
   /// @returns [s] since the last call.
   double wait() noexcept;
-  double latest() const { return latest_; }  ///< [s] by which the last cycle began too late
+  double latest() const { return latest_; }  ///< [s] delay of the last cycle's start
 
  private:
   double period_, next_, last_, latest_ = 0.0;
@@ -47,7 +47,7 @@ class Spread {
   double worst() const noexcept { return worst_; }
 
  private:
-  std::array<std::uint32_t, 332> counts_{};  // from 1 us to 10 s
+  std::array<std::uint32_t, 332> counts_{};  // one count per step of 5 % from 1 us to 10 s
   std::uint64_t all_ = 0;
   double worst_ = 0.0;
 };
@@ -55,8 +55,8 @@ class Spread {
 /// Timing of a loop.
 struct LoopFigures {
   double cycles = 0.0, mean_period = 0.0, overruns = 0.0;
-  Spread late;     ///< [s] by which a cycle began late
-  Spread compute;  ///< [s] of a cycle
+  Spread late;     ///< [s] delays of the starts of cycles
+  Spread compute;  ///< [s] computation times of cycles
 
   /// "600000 cycles of 1.000 ms, ...; processor 31 % of a core", of a run of `seconds`.
   std::string sentence(double seconds) const;

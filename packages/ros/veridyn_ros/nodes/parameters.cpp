@@ -29,7 +29,7 @@ VectorXd middle(const Model& arm) {
 
 // Warns once if the master is gone: existing connections continue, new ones fail.
 void watch_master(const std::string& name) {
-  constexpr int kPause = 20;  // tenths of a second
+  constexpr int kPause = 20;  // pause between two checks, in tenths of a second
   bool there = true;
   for (int k = 1; ros::ok(); ++k) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -26,11 +26,11 @@ using veridyn::VectorXd;
 struct Arm {
   std::unique_ptr<veridyn::Engine> plant;
   std::optional<veridyn::JointSensors> sensors;
-  VectorXd q, dq, tau;  // as measured by the sensors, and in the drives' scale
+  VectorXd q, dq, tau;  // sensor readings, and torques in the scale of the drives
   VectorXd acting;
   Snapshot<MotorTorque> asked;
   MotorTorque now;
-  Spread* answered = nullptr;  // [s] from positions to the torques that answer them
+  Spread* answered = nullptr;  // [s] times from positions to the torques that answer them
   ros::Subscriber servo_jf;
   ros::Publisher measured_js;
   sensor_msgs::JointState message;

@@ -29,7 +29,7 @@ using Eigen::Vector3d;
 using visualization_msgs::Marker;
 
 constexpr std::size_t kTrail = 400;        // number of positions of a tip that are shown
-constexpr double kTrailStep = 0.0005;      // [m] between them
+constexpr double kTrailStep = 0.0005;      // [m] distance of two of these positions
 constexpr double kLeastForce = 0.05;       // [N] least force that is shown
 
 struct Arm {
@@ -37,10 +37,10 @@ struct Arm {
   std::string name;
   Model model;  // all links of the URDF
   int tip = 0;
-  Isometry3d base = Isometry3d::Identity();  // in the world
+  Isometry3d base = Isometry3d::Identity();  // pose of the base in the world
   VectorXd q;
   bool seen = false;
-  Vector3d force = Vector3d::Zero();  // in the base [N]
+  Vector3d force = Vector3d::Zero();  // [N] force at the tip in the base
   std::deque<Vector3d> trail;
   std::vector<ros::Subscriber> subscribers;
   Vector3d tip_in_world() const { return base * frame_pose(model, q, tip).translation(); }
@@ -49,7 +49,7 @@ struct Arm {
 struct Member {
   std::string name;
   std::size_t from = 0, to = 1;
-  double force = 0.0;  // [N]
+  double force = 0.0;  // [N] tension of the member
   ros::Subscriber subscriber;
 };
 
@@ -243,7 +243,7 @@ class Show {
   }
 
   ros::NodeHandle root_;
-  double scale_;  // [m/N]
+  double scale_;  // [m/N] length of a drawn force
   std::deque<Arm> arms_;
   std::deque<Member> members_;
   ros::Publisher transforms_, markers_;

@@ -30,14 +30,14 @@ struct CalibratedAxis {
   Eigen::Vector3d point{0, 0, 0};  ///< [m] point of the axis nearest to the markers of `b`
   double radius_angle = 0.0;       ///< [rad] 95 % bound on the error of the direction
   double radius = 0.0;  ///< [m] 95 % bound on the distance of the true axis from the point
-  double range = 0.0;   ///< [rad] from the smallest to the largest angle
+  double range = 0.0;   ///< [rad] difference of the largest and the smallest angle
   /// [rad] rms rotation about other axes, from the relative poses alone (closed form)
   double wobble = 0.0;
-  double play = 0.0;  ///< [m] rms translation, likewise
+  double play = 0.0;  ///< [m] rms translation across the axis, likewise
   int frames = 0;     ///< frames in which `a` rested and the pair turned; 0: none
   /// The pair is already connected by other axes, so that this one closes a loop with them.
   bool closes_loop = false;
-  /// [m] rms gap of the loop here, beyond the noise of the markers
+  /// [m] rms gap at this axis of the loop that it closes, beyond the noise of the markers
   double loop_play = 0.0;
 };
 
@@ -59,7 +59,7 @@ struct CapturedBody {
   std::string name;
   int markers = 0, outliers = 0, relabelled = 0;
   double seen = 0.0;   ///< share of frames in which the pose is known
-  double noise = 0.0;  ///< [m] of one coordinate, from the distances between its markers
+  double noise = 0.0;  ///< [m] standard deviation of a marker coordinate, from the distances of its markers
   std::string fault;   ///< reason for a missing pose; empty: the pose is known
 };
 
@@ -76,9 +76,9 @@ struct AxesCalibration {
   std::vector<CalibratedAxis> axes;
   std::vector<CalibratedLink> links;
   std::vector<std::string> cannot_tell;  ///< pairs for which no axis was found, with the reason
-  double rms = 0.0;                      ///< [m] of one coordinate of a marker
-  double correlation = 1.0;              ///< frames per independent frame
-  std::vector<double> residuals;         ///< [m] of every coordinate, without outliers
+  double rms = 0.0;                      ///< [m] rms residual of one coordinate of a marker
+  double correlation = 1.0;              ///< number of successive frames that count as one independent frame
+  std::vector<double> residuals;         ///< [m] residual of every coordinate, without outliers
   /// For drawings: markers of all bodies at the reference, (3 x markers), by body.
   std::vector<std::pair<std::string, MatrixXd>> shapes;
 

@@ -37,14 +37,14 @@ struct HandEye {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  ///< T
   double radius = 0.0;        ///< [m] 95 % bound on the error of its translation
   double radius_angle = 0.0;  ///< [rad] 95 % bound on the error of its rotation
-  /// kTwoBases: the tool, T_handA_handB; kEyeInHand: the target in A's base; else nullopt.
+  /// With kTwoBases the tool, T_handA_handB; with kEyeInHand the target's pose in A's base; else nullopt.
   std::optional<Eigen::Isometry3d> other;
   double other_radius = 0.0, other_radius_angle = 0.0;
   int pairs = 0, outliers = 0;
-  double rms = 0.0;        ///< [m] of positions, without outliers
-  double rms_angle = 0.0;  ///< [rad] of orientations; 0 where only positions are used
-  std::vector<Eigen::Vector3d> residuals;  ///< [m] of positions, by pair
-  std::vector<double> residual_angles;     ///< [rad]
+  double rms = 0.0;        ///< [m] rms residual of positions, without outliers
+  double rms_angle = 0.0;  ///< [rad] rms residual of orientations; 0 if only positions are used
+  std::vector<Eigen::Vector3d> residuals;  ///< [m] residuals of positions, one per pair
+  std::vector<double> residual_angles;     ///< [rad] residuals of orientations, one per pair
   Eigen::Vector3d swing{0, 0, 0};          ///< [deg] rms turns of A along the axes of their spread
   struct Alternative {
     HandEyeForm form;

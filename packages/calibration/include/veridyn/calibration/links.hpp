@@ -61,19 +61,19 @@ struct LinksCalibration {
   /// Constants that differ from the file, most significant first; empty if all changed a little.
   std::vector<int> named;
   bool explained = false;  ///< the reported ones (or none) explain the poses as well as all constants do
-  double rms_file = 0.0;      ///< [m] of positions, with the file's constants
-  double rms = 0.0;           ///< [m] with those found
-  double rms_angle = 0.0;     ///< [rad] of orientations
-  double held_out_rms = 0.0;  ///< [m] on a quarter of the poses that was not fitted
+  double rms_file = 0.0;      ///< [m] rms error of positions with the file's constants
+  double rms = 0.0;           ///< [m] rms error of positions with the constants found
+  double rms_angle = 0.0;     ///< [rad] rms error of orientations
+  double held_out_rms = 0.0;  ///< [m] rms error on the quarter of the poses that was not fitted, without outliers
   double held_out_rms_all = 0.0;  ///< [m] likewise, outliers included
   double held_out_rms_file = 0.0; ///< [m] likewise, with the file's constants
-  double held_out_angle = 0.0;    ///< [rad]
+  double held_out_angle = 0.0;    ///< [rad] rms error of orientations on that quarter
   double rank_gap = 0.0;
-  double correlation = 1.0;   ///< frames per independent frame
+  double correlation = 1.0;   ///< number of successive frames that count as one independent frame
   std::optional<Model> model;  ///< the robot with the constants found
-  std::vector<Eigen::Vector3d> positions;  ///< measured [m], for drawings
+  std::vector<Eigen::Vector3d> positions;  ///< [m] measured, in the frame of the cameras, for drawings
   MatrixXd joints;  ///< (frames x joints) [rad], [m] as recorded, for drawings
-  std::vector<double> residuals, residual_angles;  ///< [m], [rad] by frame
+  std::vector<double> residuals, residual_angles;  ///< [m], [rad] residuals, one per frame
   double seconds = 0.0;
 
   std::string report() const;
@@ -83,8 +83,8 @@ struct LinksCalibration {
 LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
                                  const LinksOptions& options = {});
 
-/// Compares a wrong constant that was found from torques with the estimate from the poses, in one line: the
-/// same constant, another one, or no error.
+/// One line that compares a wrong constant found from torques with the estimate from the poses: they agree,
+/// the poses show another constant, or they show no error.
 /// @param frame, name, found  of the constant as `diagnose` reports it: "theta", "ratio of pitch".
 std::string compare_wrong_constant(const LinksCalibration& links, const std::string& frame,
                                    const std::string& name, double found, double low, double high);

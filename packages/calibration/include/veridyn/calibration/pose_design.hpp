@@ -13,7 +13,7 @@ struct PoseDesignOptions {
   int poses = 30;            ///< number of poses to measure
   int candidates = 2000;     ///< random poses within the limits to choose from
   double limit_share = 1.0;  ///< share of each coordinate's range to use
-  double rest = 1.0;         ///< [s] of rest at each pose
+  double rest = 1.0;         ///< [s] duration of the rest at each pose
   double position_noise = 1e-4;  ///< [m] standard deviation of the cameras' positions
   double angle_noise = 1e-3;     ///< [rad] standard deviation of their orientations
   unsigned seed = 1;

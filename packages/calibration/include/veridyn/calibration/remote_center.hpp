@@ -27,8 +27,8 @@ struct RemoteCenter {
   std::string reason;  ///< reason if it is not identifiable; empty if it is
   std::string source, body;
   int frames = 0, outliers = 0;
-  Eigen::Vector3d rcm{0, 0, 0};  ///< [m] in the frame of the cameras (b_post)
-  Eigen::Vector3d tip{0, 0, 0};  ///< [m] in the body (b_tip)
+  Eigen::Vector3d rcm{0, 0, 0};  ///< [m] position in the frame of the cameras (b_post)
+  Eigen::Vector3d tip{0, 0, 0};  ///< [m] position in the frame of the body (b_tip)
   /// [m] scatter of rcm computed from single frames, per axis (thesis Table 6.1)
   Eigen::Vector3d rms{0, 0, 0};
   Eigen::Vector3d rms_all{0, 0, 0};  ///< [m] likewise, outliers included
@@ -37,11 +37,11 @@ struct RemoteCenter {
   double condition = 0.0;  ///< condition number of (A.10): largest over smallest singular value
   /// [deg] rms rotation about the principal axes of the motion, smallest first
   Eigen::Vector3d swing{0, 0, 0};
-  double position_noise = 0.0;     ///< [m] of one coordinate, estimated from the frames
+  double position_noise = 0.0;     ///< [m] standard deviation of one coordinate, estimated from the frames
   double orientation_noise = 0.0;  ///< [rad] likewise, about one axis
-  double correlation = 1.0;        ///< frames per independent frame
+  double correlation = 1.0;        ///< number of successive frames that count as one independent frame
   std::vector<Eigen::Vector3d> points;   ///< rcm computed from each single frame
-  std::vector<char> is_outlier;          ///< by frame
+  std::vector<char> is_outlier;          ///< one flag per frame
   std::vector<Eigen::Isometry3d> poses;  ///< poses to which it was fitted
 
   std::string report() const;

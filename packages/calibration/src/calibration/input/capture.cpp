@@ -15,7 +15,7 @@ namespace {
 using internal::CapturedObject;
 using internal::CaptureTable;
 
-constexpr double kArm = 0.1;  // [m] from a pose's origin to the markers on its axes
+constexpr double kArm = 0.1;  // [m] distance of the markers on the axes from a pose's origin
 
 Eigen::Isometry3d pose_of(const VectorXd& v, bool oriented) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

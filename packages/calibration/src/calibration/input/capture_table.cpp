@@ -18,7 +18,7 @@ using Kind = CaptureColumn::Kind;
 
 constexpr double kQuaternionNorm = 0.02;  // tolerance of a recorded quaternion's norm
 constexpr double kLargest = 50.0;  // [m] positions beyond the range of cameras: the unit must be another one
-constexpr double kLargestAngle = 2.0 * M_PI + 1e-6;  // [rad] of a rotation vector
+constexpr double kLargestAngle = 2.0 * M_PI + 1e-6;  // [rad] largest magnitude of a rotation vector
 constexpr int kComponents = 7;
 constexpr int kRead = 10;  // number of components with a rotation vector, which becomes the quaternion
 

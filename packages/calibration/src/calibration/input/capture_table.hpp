@@ -15,7 +15,7 @@ struct CaptureColumn {
   int index = 0;            ///< joint from 0; component: x y z qw qx qy qz, rx ry rz of a rotation vector
   std::string object;       ///< "BODY/MARKER", "BODY" or ""
   std::string unit;         ///< as the column states it; "": none
-  std::string name;         ///< as in the file
+  std::string name;         ///< name in the file
 };
 
 /// Header of a motion-capture file.

@@ -22,7 +22,7 @@ class LinkChain {
   Eigen::Isometry3d base() const { return base_; }
   Eigen::Isometry3d tool() const { return tool_; }
 
-  /// @param q  as recorded.
+  /// @param q  joint readings [rad], [m] as recorded.
   /// @param J  null, or (6 x parameters): rotation [rad] and translation [m] of the body in the
   /// cameras' frame per parameter, rotation first.
   Eigen::Isometry3d pose(const VectorRef& q, MatrixXd* J) const;
@@ -33,10 +33,10 @@ class LinkChain {
   Eigen::Isometry3d base_start_, tool_start_;
   Eigen::Isometry3d base_, tool_;
   VectorXd x_;
-  VectorXd values_;       // of the entries
+  VectorXd values_;       // values of the entries
   MatrixXd by_constant_;  // (entries x parameters)
-  std::vector<int> entry_parameter_;  // by entry; -1: no parameter
-  std::vector<int> zero_parameter_;   // by coordinate; -1
+  std::vector<int> entry_parameter_;  // parameter of every entry; -1: none
+  std::vector<int> zero_parameter_;   // by coordinate: parameter of its encoder zero; -1: none
   std::vector<int> constants_;        // parameters that are named constants
   // By path frame: fixed transform after the origin of a placement.
   std::vector<Eigen::Isometry3d> rest_;

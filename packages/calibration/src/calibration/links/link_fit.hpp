@@ -6,15 +6,15 @@
 namespace veridyn::internal {
 
 struct LinkNoise {
-  double position = 1e-3;  ///< [m] of one coordinate
-  double angle = 1e-2;     ///< [rad] about one axis
+  double position = 1e-3;  ///< [m] standard deviation of one coordinate
+  double angle = 1e-2;     ///< [rad] standard deviation about one axis
 };
 
 /// Poses of a fit, with their weights.
 struct LinkData {
   const PoseCapture* poses = nullptr;
   std::vector<int> rows;
-  std::vector<char> is_outlier;  ///< by frame of the capture
+  std::vector<char> is_outlier;  ///< one flag per frame of the capture
   LinkNoise noise;
 };
 

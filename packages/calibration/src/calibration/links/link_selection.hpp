@@ -11,7 +11,7 @@ namespace veridyn::internal {
 /// Identifiable parameters of a set of poses.
 struct LinkChoice {
   std::vector<int> independent;  ///< parameters that can be fitted together
-  std::vector<std::string> why;  ///< by parameter: reason for excluding it; empty: included
+  std::vector<std::string> why;  ///< reason for which a parameter is excluded; empty: included
   double rank_gap = 0.0;
 };
 

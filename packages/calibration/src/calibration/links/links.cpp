@@ -128,7 +128,7 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
 struct Explanation {
   bool complete = false;
   std::vector<int> named;
-  std::vector<std::string> rivals;  // of each
+  std::vector<std::string> rivals;  // for each named constant: others that explain the poses nearly as well
   VectorXd x;
 };
 

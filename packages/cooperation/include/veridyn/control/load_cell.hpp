@@ -14,8 +14,8 @@ namespace veridyn {
 
 /// Conversion of a converter's counts to newtons: force = scale * (raw - offset).
 struct LoadCellCalibration {
-  double offset = 0.0;  ///< [counts]
-  double scale = 1.0;   ///< [N/count]
+  double offset = 0.0;  ///< [counts] reading without force
+  double scale = 1.0;   ///< [N/count] slope of the line
   double offset_interval = 0.0, scale_interval = 0.0;  ///< half widths of the 95 % intervals
   double residual = 0.0;     ///< [N] root mean square of the weights' means from the line
   double noise = 0.0;        ///< [N] standard deviation of single readings about their mean
@@ -99,8 +99,8 @@ enum class ForceState {
   kWaiting,  ///< no reading has arrived
   kGood,
   kDead,   ///< no new reading for longer than ForceChannelOptions::largest_silence
-  kStuck,  ///< the same counts for longer than stuck_after, although readings arrive
-  kRange,  ///< beyond the range of the cell or its converter
+  kStuck,  ///< readings arrive, but with equal counts for longer than stuck_after
+  kRange,  ///< the reading is beyond the range of the cell or its converter
   kNoisy   ///< too large a share of the data is unusable: the line is damaged
 };
 const char* describe(ForceState state);
@@ -108,8 +108,8 @@ const char* describe(ForceState state);
 struct ForceChannelOptions {
   LoadCellCalibration calibration;
   double largest_silence = 0.015;  ///< [s]; in a cycle of 1 ms a dead line is detected within 16 ms
-  double stuck_after = 0.015;      ///< [s] of readings that are equal to the last bit; 0: no check
-  int stuck_readings = 5;          ///< and at least this many
+  double stuck_after = 0.015;      ///< [s] longest duration of equal readings; 0: no check
+  int stuck_readings = 5;          ///< smallest number of equal readings of a stuck cell
   double range = 200.0;            ///< [N] readings beyond it are discarded
   /// [N] largest step between two readings. A larger step is accepted only after a second reading confirms
   /// it, because a lost digit would cause the same step. Infinite: no check.
@@ -118,8 +118,8 @@ struct ForceChannelOptions {
   /// damaged. One of 100 is a lost byte, not a loose cable.
   double noisy_share = 0.05;
   int noisy_window = 100;
-  double cutoff = 0.0;             ///< [Hz] of a first-order low-pass; 0: none
-  double latency = 0.0;            ///< [s] from the cell to the end of the line, as far as known
+  double cutoff = 0.0;             ///< [Hz] cutoff of a first-order low-pass; 0: none
+  double latency = 0.0;            ///< [s] delay from the cell to the end of the line, as far as known
 };
 
 /// A calibrated, filtered and checked force, read by a control loop once a cycle. Nothing
@@ -134,7 +134,7 @@ class ForceChannel {
   ForceState state() const { return state_; }
   /// [s] delay of filter and line together at low frequency, for stability analyses.
   double delay() const;
-  double unfiltered() const { return force_; }  ///< [N] of the latest reading
+  double unfiltered() const { return force_; }  ///< [N] latest reading before the low-pass
   double last_accepted() const { return last_raw_; }  ///< raw value of the latest accepted reading
   /// Readings discarded because of their range.
   long beyond_range() const { return beyond_range_; }
@@ -154,9 +154,9 @@ class ForceChannel {
   double begun_ = std::numeric_limits<double>::quiet_NaN();
   double waiting_ = 0.0;  // [N] reading that a second one has to confirm
   bool waits_ = false, beyond_ = false, noisy_ = false;
-  std::optional<long> number_;  // of the last sample
+  std::optional<long> number_;  // sequence number of the last sample
   long beyond_range_ = 0, jumps_ = 0, refused_ = 0;
-  long good_ = 0, bad_ = 0;  // counts within the window
+  long good_ = 0, bad_ = 0;  // usable and unusable data in the present window
   int alike_ = 0;
 };
 

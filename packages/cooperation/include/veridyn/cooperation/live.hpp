@@ -20,7 +20,7 @@ struct LiveStop {};
 struct LiveAlive {};  ///< a sign of life without another effect
 struct LiveQuit {};   ///< end the run
 struct LiveJog {      ///< velocity of the object from now on, until the next line
-  Eigen::Vector3d velocity{0.0, 0.0, 0.0};  ///< [m/s] in the master's axes
+  Eigen::Vector3d velocity{0.0, 0.0, 0.0};  ///< [m/s] velocity in the axes of the master
 };
 using LiveCommand =
     std::variant<ScenarioCommand, LiveJog, LiveWait, LiveStop, LiveAlive, LiveQuit>;
@@ -64,9 +64,9 @@ struct LiveOptions {
   double silence = 0.5;
   /// True: a connection is lost by silence, as on sockets; false: by its end.
   bool watches_silence = false;
-  double hold = 1.0;           ///< [s] of holding after the connection is lost
+  double hold = 1.0;           ///< [s] duration of holding after the connection is lost
   double longest = 3600.0;     ///< [s] longest duration of the run
-  double tell = 0.1;           ///< [s] between reports, see LiveReport
+  double tell = 0.1;           ///< [s] time between reports, see LiveReport
 };
 
 /// One arm of a live run at one instant, (n) each.
@@ -85,13 +85,13 @@ struct LiveReport {
 
 /// Result of a live run.
 struct LiveRun {
-  double time = 0.0;     ///< [s]
+  double time = 0.0;     ///< [s] simulated duration
   long commands = 0, refused = 0;
   bool lost = false;     ///< the connection ended or was silent, and targets were held
-  double lost_at = 0.0;  ///< [s]
+  double lost_at = 0.0;  ///< [s] time of the loss of the connection
   /// [m] largest motion of any tip that is later than stop_duration after the loss
   double moved_after_loss = 0.0;
-  double largest_force = 0.0;     ///< [N]
+  double largest_force = 0.0;     ///< [N] largest force of any member
   /// [s] from the arrival of a line to the torques that result from it
   double longest_latency = 0.0;
   CooperativeState state = CooperativeState::kTracking;

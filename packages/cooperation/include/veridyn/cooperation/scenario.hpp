@@ -20,10 +20,10 @@ struct ScenarioArm {
   std::string name;
   std::string model;  ///< robot file or identified model, see read_model(); without values: plausible ones
   unsigned seed = 1;  ///< Seed of plausible values
-  Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< [m] of the base in the world
+  Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< [m] position of the base in the world
   Eigen::Vector3d turn{0.0, 0.0, 0.0};      ///< [rad]: R_world_base = Rz(c) Ry(b) Rx(a)
   std::string frame;                        ///< frame that holds the object
-  Eigen::Vector3d offset{0.0, 0.0, 0.0};    ///< [m] of the grasp point in the frame
+  Eigen::Vector3d offset{0.0, 0.0, 0.0};    ///< [m] position of the grasp point in the frame
   VectorXd start;                           ///< (n) joints at the start
   /// Error of the calibration: the controller assumes the base displaced by this vector [m] and
   /// rotated by Rz(c) Ry(b) Rx(a) [rad] relative to the true base.
@@ -67,7 +67,7 @@ struct ScenarioWall {
 struct ScenarioBody {
   struct Grasp {
     int arm = 0;
-    double stiffness = 0.0;  ///< [N/m] in all directions
+    double stiffness = 0.0;  ///< [N/m] stiffness in all directions
     double damping = 0.0;    ///< [N s/m]
   };
   std::string name;
@@ -78,22 +78,22 @@ struct ScenarioBody {
   /// has only its own loop.
   double wanted_mass = 1.0, impedance_damping = 0.0, impedance_stiffness = 0.0;
   double wanted_inertia = 0.01, angular_damping = 0.0, angular_stiffness = 0.0;
-  double internal_force = 0.0;  ///< [N] between the first two hands, pulling positive
+  double internal_force = 0.0;  ///< [N] force between the first two hands, pulling positive
 };
 
 /// One command of a phase, executed at its beginning.
 struct ScenarioCommand {
   enum class Kind { kMove, kTurn, kTighten, kForce, kMoveArm, kRelease, kTake };
   Kind kind = Kind::kMove;
-  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] or [rad]
-  double amount = 0.0;                 ///< [m] or [N]
+  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< displacement [m], or rotation [rad] of kTurn
+  double amount = 0.0;                 ///< [m] of kTighten, [N] of kForce
   int arm = 0, member = 0;  ///< arm or member that it concerns
-  double over = 0.0;  ///< [s]
+  double over = 0.0;  ///< [s] duration of the motion or change of force
 };
 
 struct ScenarioPhase {
   std::string name;
-  double duration = 0.0;  ///< [s]
+  double duration = 0.0;  ///< [s] duration of the phase
   std::vector<ScenarioCommand> commands;
   double asked_force_error = 0.0;   ///< [N] bound for the whole phase; 0: none
   double asked_steady_error = 0.0;  ///< [N] bound for its last fifth; 0: none
@@ -104,26 +104,26 @@ struct ScenarioFault {
   enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump, kSensorDrift };
   Kind kind = Kind::kArmLimp;
   std::optional<int> arm = {}, member = {};  ///< the arm, or the member whose sensor fails; exactly one is set
-  double at = 0.0;        ///< [s]
-  double by = 0.0;        ///< [N] of kSensorJump, [N/s] of kSensorDrift
+  double at = 0.0;        ///< [s] time of the fault since the start
+  double by = 0.0;        ///< [N] size of kSensorJump, [N/s] slope of kSensorDrift
   bool reported = false;  ///< the controller is informed of the failed arm
 };
 
-constexpr int kLongestTorqueDelay = 1000;  ///< [cycles]
+constexpr int kLongestTorqueDelay = 1000;  ///< [cycles] largest ScenarioControl::torque_delay
 
 /// Settings of the control loops.
 struct ScenarioControl {
-  double rate = 1000.0;                 ///< [Hz]
+  double rate = 1000.0;                 ///< [Hz] rate of the control loops
   double position_frequency = 15.0;     ///< [Hz] bandwidth of critically damped position loops
   Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< Mass of impedances, in the arm's base [kg]
-  Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m]
-  Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m]
+  Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m] damping of impedances, axes of the base
+  Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m] stiffness of impedances, axes of the base
   double friction = 0.5;              ///< share of the identified friction that is compensated
-  double observer = 5.0;              ///< [Hz] of the observer of model errors; 0: none
+  double observer = 5.0;              ///< [Hz] bandwidth of the observer of model errors; 0: none
   FrictionRule friction_rule = FrictionRule::kPresliding;
   bool adaptive_friction = false;     ///< scale the friction while arms move, see AdaptiveFriction
-  double velocity_cutoff = 400.0;     ///< [Hz] of the velocities from encoders
-  double force_cutoff = 0.0;          ///< [Hz] of a low-pass of all force readings; 0: none
+  double velocity_cutoff = 400.0;     ///< [Hz] cutoff of the velocities from encoders
+  double force_cutoff = 0.0;          ///< [Hz] cutoff of a low-pass of all force readings; 0: none
   double motor_lag = 0.0;             ///< [s] first-order lag between commanded and actual torques
   int torque_delay = 0;               ///< [cycles] additional delay of the torques, at most kLongestTorqueDelay
   double largest_force = 20.0;        ///< [N] largest force, beyond which the task ends
@@ -134,7 +134,7 @@ struct ScenarioControl {
   double jump_force = 1.0;            ///< [N] likewise
   double drift_force = 0.5;           ///< [N] likewise
   double largest_energy = 0.0;        ///< [J] largest energy of a member; 0: no bound
-  double relief_force = 5.0;          ///< [N] beyond which arms yield while targets are held
+  double relief_force = 5.0;          ///< [N] force beyond which arms yield while targets are held
   bool guard = true;                  ///< arms yield if a force leaves its bounds while targets are held
 };
 

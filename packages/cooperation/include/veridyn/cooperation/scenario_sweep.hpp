@@ -15,11 +15,11 @@ struct SweepPoint {
   double stiffness = 0.0;      ///< [N/m]
   double delay = 0.0;          ///< [s]
   double rate = 0.0;           ///< [Hz]
-  double steady_error = 0.0;   ///< [N] largest at the end of any phase
-  double force_error = 0.0;    ///< [N] largest at any time of the phases with a bound
-  double oscillation = 0.0;    ///< [N] largest at the end of any phase
-  double largest_force = 0.0;  ///< [N]
-  double generated = 0.0;      ///< [J] largest of any phase after its commands
+  double steady_error = 0.0;   ///< [N] largest steady error of any phase
+  double force_error = 0.0;    ///< [N] largest error in the phases with a bound
+  double oscillation = 0.0;    ///< [N] largest oscillation at the end of any phase
+  double largest_force = 0.0;  ///< [N] largest force of any member at any time
+  double generated = 0.0;      ///< [J] largest energy generated in any phase after its commands
   bool stable = false;
   std::string ended;  ///< reason if the run ended early; empty: complete
 };
@@ -28,7 +28,7 @@ struct SweepPoint {
 /// the oscillation stayed within the scenario's `stable_error` in every phase.
 struct ScenarioSweepResult {
   std::string name, engine;
-  double stable_error = 0.0;  ///< [N]
+  double stable_error = 0.0;  ///< [N] bound of a stable point, see ScenarioSweep
   std::vector<double> stiffness, delay, rate;
   std::vector<SweepPoint> points;  ///< stiffness runs fastest, then delay, then rate
   double seconds = 0.0;

@@ -59,9 +59,9 @@ struct DeadbandSwing {
   double largest_gain = 0.0;
   double critical_gain = 0.0;  ///< gain of an integral law at the stability limit
   bool describing_function_swings = false;
-  bool swings = false;     ///< by simulation: corrections never end
+  bool swings = false;     ///< the simulated corrections never end
   double amplitude = 0.0;  ///< [N] half of the force's peak-to-peak value
-  double frequency = 0.0;  ///< [Hz]
+  double frequency = 0.0;  ///< [Hz] of the limit cycle
 };
 
 /// A force sensor with a sample pattern that is too long for the analysis, and the rate with which it is
@@ -69,7 +69,7 @@ struct DeadbandSwing {
 /// 1000 cycles.
 struct ReplacedRate {
   std::string sensor;  ///< member or wall
-  double rate = 0.0, analysed = 0.0;  ///< [Hz]
+  double rate = 0.0, analysed = 0.0;  ///< [Hz] actual rate, and rate in the analysis
 };
 
 /// Discrete-time closed loop of a scenario, linearised at equilibria of its motion.
@@ -87,19 +87,19 @@ struct ReplacedRate {
 /// bisection over nonlinear simulations.
 struct StabilityAnalysis {
   std::string name;
-  double period = 0.0;  ///< [s] of the control loop
+  double period = 0.0;  ///< [s] period of the control loop
   int cycles = 1;       ///< number of control cycles of the eigenvalues
   std::vector<ReplacedRate> replaced_rates;
   int states = 0;
-  std::vector<std::pair<double, double>> eigenvalues;  ///< at the worst point (real, imaginary)
+  std::vector<std::pair<double, double>> eigenvalues;  ///< real and imaginary parts at the worst point
   bool stable = false;
   double radius = 0.0;  ///< largest modulus per cycle, at the worst point
   StabilityPoint worst;
   std::vector<StabilityPoint> points;
-  StabilityMargins margins;                ///< at the worst point
+  StabilityMargins margins;                ///< margins at the worst point
   /// [N/m] below which the scenario comes to rest, with dry friction
   double largest_stable_stiffness = 0.0;
-  double linear_stable_stiffness = 0.0;    ///< [N/m] the same for sliding arms
+  double linear_stable_stiffness = 0.0;    ///< [N/m] the same without dry friction, for sliding arms
   int simulated_runs = 0;                  ///< number of nonlinear simulations
   double smallest_stable_stiffness = 0.0;  ///< [N/m] lower limit, searched from the scenario's own stiffness
   bool stiffness_bounded = false;          ///< false: stable up to the end of the search
@@ -116,7 +116,7 @@ StabilityAnalysis analyse_stability(const Scenario& scenario);
 struct StabilityMap {
   ParameterRange a, b;
   std::vector<double> a_values, b_values;
-  std::vector<double> radius;  ///< of point (i, j) at i + a_values.size() * j
+  std::vector<double> radius;  ///< radius of point (i, j) at index i + a_values.size() * j
   std::vector<char> stable;
   double seconds = 0.0;
 };
@@ -136,10 +136,10 @@ RootLocus root_locus(const Scenario& scenario, const ParameterRange& range);
 struct GainRecommendation {
   double phase_deg = 0.0;  ///< requested phase margin
   bool found = false;
-  double crossover = 0.0;  ///< [rad/s] of the force loop: the largest with that margin
-  double impedance_damping = 0.0;  ///< [N s/m]
-  ForceLaw law;            ///< of the first member
-  double radius = 0.0;     ///< per cycle, with these gains
+  double crossover = 0.0;  ///< [rad/s] crossover of the force loop: the largest with that margin
+  double impedance_damping = 0.0;  ///< [N s/m] recommended damping of the impedance
+  ForceLaw law;            ///< recommended law of the first member
+  double radius = 0.0;     ///< spectral radius per cycle with these gains
   StabilityMargins margins;
   int tried = 0;
 };
@@ -172,7 +172,7 @@ StabilityBounds bound_stability(const Scenario& scenario, int samples, int threa
 /// True force in every member after a step of 1 N in all wanted forces, in the linear loop.
 struct StepResponses {
   std::vector<std::string> members;
-  std::vector<double> time;                 ///< [s]
+  std::vector<double> time;                 ///< [s] since the step
   std::vector<std::vector<double>> force;   ///< [N], one list for each member
 };
 StepResponses step_responses(const Scenario& scenario);
@@ -193,7 +193,7 @@ struct StabilityStudy {
 struct StabilityModelOptions {
   std::string frame;         ///< frame in contact; empty: "tool", or else the last frame
   std::vector<double> pose;  ///< joints; empty: the middle of their ranges
-  double stiffness = 2450.0, damping = 2.0;  ///< of the wall [N/m, N s/m]
+  double stiffness = 2450.0, damping = 2.0;  ///< [N/m], [N s/m] of the wall
 };
 Scenario contact_scenario(const std::string& model, const StabilityModelOptions& options);
 

@@ -10,9 +10,9 @@ namespace veridyn {
 
 /// Action of the operator in one phase of the scenario.
 struct TeleoperationStep {
-  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] of the hand, in the world
-  double over = 1.0;                   ///< [s]
-  bool clutch = true;                  ///< engaged
+  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] displacement of the hand, in the world
+  double over = 1.0;                   ///< [s] duration of the motion
+  bool clutch = true;                  ///< true if the clutch is engaged
 };
 
 /// A scenario with two arms in bilateral teleoperation. Its key `teleoperation`:
@@ -34,7 +34,7 @@ struct TeleoperationScenario {
   Scenario scenario;
   int leader = 0, follower = 1;
   TeleoperationOptions options;
-  double hand_stiffness = 300.0, hand_damping = 10.0;  ///< [N/m], [N s/m]
+  double hand_stiffness = 300.0, hand_damping = 10.0;  ///< [N/m], [N s/m] of the operator's hand
   std::vector<TeleoperationStep> steps;                ///< one for each phase
 };
 

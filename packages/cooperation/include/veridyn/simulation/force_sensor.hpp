@@ -8,8 +8,8 @@ namespace veridyn {
 
 /// A load cell and its converter.
 struct ForceSensorOptions {
-  double rate = 500.0;  ///< [Hz] of samples
-  double delay = 0.0;   ///< [s] from a sample to its arrival
+  double rate = 500.0;  ///< [Hz] rate of the samples
+  double delay = 0.0;   ///< [s] time from a sample to its arrival
   double noise = 0.0;   ///< [N] standard deviation of white noise on every sample
   double step = 0.0;    ///< [N] samples are multiples of it; 0: exact
   unsigned seed = 1;
@@ -25,8 +25,8 @@ struct ForceSensorOptions {
 
 /// The latest sample that has arrived.
 struct ForceSample {
-  double force = 0.0;  ///< [N]
-  double time = 0.0;   ///< [s] at which it was taken
+  double force = 0.0;  ///< [N] reading
+  double time = 0.0;   ///< [s] time at which it was taken
   std::optional<long> number{};  ///< sequence number; nullopt: no sample has arrived
 };
 

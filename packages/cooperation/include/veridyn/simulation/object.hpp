@@ -11,7 +11,7 @@ namespace veridyn {
 struct Attachment {
   std::optional<int> arm = {};  ///< index in the World; nullopt: the world itself
   int frame = 0;
-  Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] in the frame, or in the world
+  Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] position in the frame, or in the world
 };
 
 /// A massless spring and damper between two points, which acts along the line between them:
@@ -44,7 +44,7 @@ double elastic_energy(const Member& member, double length) noexcept;
 /// A plane that pushes a point out along its normal with the force (K + S * depth) * depth + C * rate of the
 /// depth, never below zero.
 struct Wall {
-  Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] on the plane, in the world
+  Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] a point of the plane, in the world
   Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< outward unit normal
   double stiffness = 0.0;                 ///< K [N/m]
   double stiffening = 0.0;                ///< S [N/m^2]
@@ -65,14 +65,14 @@ Eigen::Vector3d contact_force(const Wall& wall, const Eigen::Vector3d& position,
 struct HeldBody {
   struct Grasp {
     Attachment held_by;
-    Eigen::Vector3d point_body{0.0, 0.0, 0.0};  ///< [m]
+    Eigen::Vector3d point_body{0.0, 0.0, 0.0};  ///< [m] grasped point, in the axes of the body from its centre
     double stiffness = 0.0;                     ///< [N/m]
     double damping = 0.0;                       ///< [N s/m]
     bool attached = true;
   };
   double mass = 0.0;                        ///< [kg]
   Eigen::Vector3d inertia{0.0, 0.0, 0.0};   ///< [kg m^2] about its centre, along its axes
-  Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< [m] of its centre in the world
+  Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< [m] position of its centre in the world
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< R_world_body
   std::vector<Grasp> grasps;
 };

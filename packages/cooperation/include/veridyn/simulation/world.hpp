@@ -51,8 +51,8 @@ class World {
   /// Advances everything by dt [s] under constant joint torques, one vector for each arm.
   StepStatus step(const std::vector<VectorXd>& tau, double dt) noexcept;
 
-  double time() const;     ///< [s]
-  int substeps() const;    ///< of the last step
+  double time() const;     ///< [s] since set_state()
+  int substeps() const;    ///< number of substeps of the last step
   const VectorXd& q(int arm) const;
   const VectorXd& dq(int arm) const;
   const Engine& engine(int arm) const;
@@ -66,8 +66,8 @@ class World {
   /// State of a member.
   struct MemberState {
     double length = 0.0;   ///< [m]
-    double rate = 0.0;     ///< [m/s]
-    double tension = 0.0;  ///< [N]
+    double rate = 0.0;     ///< [m/s] rate of the length
+    double tension = 0.0;  ///< [N] positive if the member pulls
   };
   const MemberState& member(int index) const;
 
@@ -79,7 +79,7 @@ class World {
   Eigen::Vector3d grasp_force(int body, int grasp) const;
   HeldBody body(int index) const;  ///< present pose and velocity
   Eigen::Vector3d body_velocity(int index) const;
-  Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] in the world
+  Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] angular velocity in the world
 
   /// Work of the arms on all objects since set_state() [J].
   double work_on_objects() const;

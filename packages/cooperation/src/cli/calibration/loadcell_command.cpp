@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPollPeriod = 0.001;  // [s]
+constexpr double kPollPeriod = 0.001;  // [s] between two polls of the source
 
 struct LoadcellRequest {
   std::string readings, source, output, calibration;
@@ -128,7 +128,7 @@ ExitStatus calibrate(const LoadcellRequest& request) {
 }
 
 constexpr double kUsualRange = 200.0;  // [N] default range of a cell for calibration
-constexpr double kJumpShare = 0.1;     // of the range
+constexpr double kJumpShare = 0.1;     // largest step of a reading, as a share of the range
 
 ForceChannelOptions channel_options(const LoadcellRequest& request) {
   ForceChannelOptions options;

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReadings = 256;  // per update, to bound its time
+constexpr int kMostReadings = 256;  // largest number of readings per update, to bound its time
 
 }  // namespace
 

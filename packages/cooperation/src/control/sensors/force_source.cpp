@@ -14,8 +14,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;         // per poll, to bound its time
-constexpr double kOwnersSilence = 1.0;  // [s] after which the port accepts another sender
+constexpr int kMostReads = 64;         // largest number of reads per poll, to bound its time
+constexpr double kOwnersSilence = 1.0;  // [s] silence of a sender after which the port accepts another one
 
 [[noreturn]] void refuse(const std::string& name) {
   throw InvalidInput(text("found the force source '", name,

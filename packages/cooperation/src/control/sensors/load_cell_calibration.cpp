@@ -77,7 +77,7 @@ LoadCellCalibration calibrate_load_cell(const std::vector<double>& force,
     out.scale_interval = out.offset_interval = unknown;
     return out;
   }
-  const double variance = (by_means ? between : within) / freedom;  // of one reading, in counts
+  const double variance = (by_means ? between : within) / freedom;  // variance of one reading [counts^2]
   const double t = student_t_quantile(0.05, freedom);
   const double slope_interval = t * std::sqrt(variance / ff);
   out.scale_interval = slope_interval / (slope * slope);

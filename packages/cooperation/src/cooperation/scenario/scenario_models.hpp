@@ -12,9 +12,9 @@ namespace veridyn {
 struct ScenarioModels {
   Model real, known;
   Eigen::Matrix3d R_world_base;        ///< the true base
-  Eigen::Vector3d p_world_base;        ///< [m]
-  Eigen::Matrix3d R_world_base_known;  ///< as calibrated
-  Eigen::Vector3d p_world_base_known;  ///< [m]
+  Eigen::Vector3d p_world_base;        ///< [m] position of the true base
+  Eigen::Matrix3d R_world_base_known;  ///< the base as calibrated
+  Eigen::Vector3d p_world_base_known;  ///< [m] position of the base as calibrated
 };
 
 /// R_world_base of Rz(c) Ry(b) Rx(a).

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSameTime = 1e-9;   // [s], as in ForceSensor
+constexpr double kSameTime = 1e-9;   // [s] tolerance of equal times, as in ForceSensor
 constexpr double kLongestDelay = 1000.0;  // cycles: each is a state of a dense matrix
 constexpr int kOneByOne = 24;             // equal cycles in a row, above which a power of their map is used
 
@@ -190,7 +190,7 @@ bool ClosedLoop::sampled(const Element& e, long k) const {
   return e.ratio >= 1.0 || count(k) > count(k - 1);
 }
 
-// Cycles since the sample before the one that arrives in cycle k.
+// Number of cycles between the sample that arrives in cycle k and the previous one.
 long ClosedLoop::cycles_since_sample(const Element& e, long k) const {
   long cycles = 1;
   while (cycles < hyperperiod_ && !sampled(e, k - e.delay - cycles)) ++cycles;
@@ -254,7 +254,7 @@ MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, cons
 void ClosedLoop::advance(long k, MatrixXd& X) const {
   const Eigen::Index columns = X.cols();
   const double dt = period_;
-  // Encoders, velocities.
+  // Encoders and velocity observer.
   std::vector<MatrixXd> velocity_before, tip, tip_rate, target, exerted;
   for (size_t i = 0; i < arm_.size(); ++i) {
     const Arm& a = arm_[i];
@@ -303,7 +303,7 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
       X.row(*e.filtered) += e.smoothing * (reading - X.row(*e.filtered));
       reading = X.row(*e.filtered);
     }
-    const MatrixXd turned = (line - at.u * (u * line)) / at.length;  // of the unit vector
+    const MatrixXd turned = (line - at.u * (u * line)) / at.length;  // change of the unit vector along the line
     const MatrixXd force = at.u * reading + at.force * turned;
     if (at.from) exerted[*at.from] -= force;
     if (at.to) exerted[*at.to] += force;
@@ -313,7 +313,7 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     if (at.from) target[*at.from] -= e.share_from * way;
     if (at.to) target[*at.to] += e.share_to * way;
   }
-  // Arms.
+  // Torques of the arms.
   MatrixXd applied(joints_, columns);
   for (size_t i = 0; i < arm_.size(); ++i) {
     const Arm& a = arm_[i];

@@ -13,7 +13,7 @@ struct LinearElement {
   std::optional<int> from = {}, to = {};  ///< arms; nothing: the world
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall, whose line does not turn
-  double force = 0.0;      ///< [N] at the equilibrium, tension positive
+  double force = 0.0;      ///< [N] tension at the equilibrium
   bool attached = true;    ///< false: released, without force
 };
 
@@ -25,10 +25,10 @@ struct LinearPoint {
 
 /// Settings for nonlinear parts of the loop.
 struct LoopSettings {
-  double reading_gain = 1.0;      ///< by which every force reading is multiplied
-  int extra_delay = 0;            ///< [cycles] of every force reading, beyond the scenario's
+  double reading_gain = 1.0;      ///< factor on every force reading
+  int extra_delay = 0;            ///< [cycles] delay of every force reading beyond the scenario's
   double integral = 1.0;          ///< share of a force law's integral gain that acts
-  double increment_gain = 0.0;    ///< [m/(N s)] in place of a law of increments
+  double increment_gain = 0.0;    ///< [m/(N s)] integral gain that replaces a law of increments; 0: none
   /// [N] offset of every wanted force from the equilibrium, for step responses.
   double wanted = 0.0;
 };
@@ -36,7 +36,7 @@ struct LoopSettings {
 /// Successive cycles with the same map.
 struct CycleRow {
   long first = 0;
-  int kind = 0;   ///< of ClosedLoop::kinds()
+  int kind = 0;   ///< kind of the cycles, see ClosedLoop::kinds()
   int count = 1;
 };
 
@@ -44,8 +44,8 @@ struct CycleRow {
 /// same order as in Experiment::step(). Between cycles the arms and the object move by the matrix exponential
 /// of their equations.
 ///
-/// Sensors that are slower than the loop make it periodic: hyperperiod() cycles repeat, as
-/// sample_pattern() has it.
+/// Sensors that are slower than the loop make it periodic with hyperperiod() cycles, the length of the
+/// pattern of sample_pattern().
 class ClosedLoop {
  public:
   ClosedLoop(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings);
@@ -83,9 +83,9 @@ class ClosedLoop {
 
  private:
   struct Arm {
-    int q = 0;         // first row of positions; velocities lie joints_ below
+    int q = 0;         // first row of positions in the state; velocities follow joints_ rows later
     int n = 0;
-    int observer = 0;  // first row of qh, vh, y, d
+    int observer = 0;  // first row of the observers' states qh, vh, y, d
     std::optional<int> motor = {};  // first row of the lagging torque
     std::optional<int> queue = {};  // first row of delayed torques
     bool gives_way = false;
@@ -95,7 +95,7 @@ class ClosedLoop {
   struct Element {
     int line = 0, held = 0;
     std::optional<int> filtered = {}, x_f = {};
-    int delay = 0;            // [cycles]
+    int delay = 0;            // [cycles] delay of the sensor
     double ratio = 1.0;       // samples per cycle
     double share_from = 0.0, share_to = 0.0;
     double value = 0.0;       // [m] x_f at the equilibrium
@@ -120,10 +120,10 @@ class ClosedLoop {
   LoopSettings settings_;
   std::vector<Arm> arm_;
   std::vector<Element> element_;
-  MatrixXd transition_, input_;  // of all joints over one cycle
+  MatrixXd transition_, input_;  // maps of positions and velocities of all joints over one cycle
   double period_ = 1e-3;
   double p_ = 0.0;                    // pole of the velocity observer
-  double observer_ = 0.0;             // [1/s]
+  double observer_ = 0.0;             // [1/s] bandwidth of the observer of model errors
   double motor_ = 1.0;                // share of a torque's change that acts in a cycle
   int torque_delay_ = 0;
   int joints_ = 0, states_ = 0, hyperperiod_ = 1;

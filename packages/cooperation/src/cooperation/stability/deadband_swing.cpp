@@ -7,9 +7,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLongest = 12.0;  // [s] of the iteration
-constexpr double kSettling = 1.0;  // [s] before the law acts, from zero force
-constexpr double kLast = 1.0;      // [s] in which corrections show whether the loop oscillates
+constexpr double kLongest = 12.0;  // [s] simulated duration of the iteration
+constexpr double kSettling = 1.0;  // [s] duration from zero force until the law acts
+constexpr double kLast = 1.0;      // [s] final interval, in which corrections show whether the loop oscillates
 
 // Smallest integral gain at which the loop oscillates.
 double critical_gain(const LinearPoint& point, const Scenario& scenario) {
@@ -38,7 +38,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   const ClosedLoop loop(point, scenario, {});
   const int cycles = loop.hyperperiod();
   const long begin = loop.first_cycle();
-  std::vector<MatrixXd> A;  // of every kind of cycle
+  std::vector<MatrixXd> A;  // one map for every kind of cycle
   std::vector<VectorXd> readings;
   std::vector<char> fresh;
   for (int k = 0; k < cycles; ++k) {

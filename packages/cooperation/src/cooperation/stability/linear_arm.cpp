@@ -7,8 +7,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kStep = 1e-5;      // [rad], [m] of central differences: errors of 1e-10
-constexpr double kSlow = 0.01;      // [rad/s], [m/s] at which dry friction slides and drag is small
+constexpr double kStep = 1e-5;      // [rad], [m] step of central differences, whose error is about 1e-10
+constexpr double kSlow = 0.01;      // [rad/s], [m/s] at which the increase of friction with speed is evaluated
 
 // Torques of an arm at rest with a force f on the tip, in the arm's own base.
 VectorXd holding_torques(ArmState& state, const VectorXd& q, const VectorXd& rest,

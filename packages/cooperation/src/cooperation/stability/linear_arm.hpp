@@ -23,7 +23,7 @@ struct LinearArm {
   MatrixXd damped_inverse;   ///< (n x 3) of J_base by TaskInverse: accelerations of the joints for one of the tip
   MatrixXd null_space;       ///< (n x n) 1 - damped_inverse * J_base: projection of a posture's acceleration
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
-  Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] in the world
+  Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] position in the world
   int joints() const { return static_cast<int>(M.rows()); }
 };
 

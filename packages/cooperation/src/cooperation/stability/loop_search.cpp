@@ -9,9 +9,9 @@ namespace {
 
 constexpr int kHalvings = 40;
 constexpr double kLargestGain = 1e3;
-constexpr int kPhaseSteps = 36;      // of half a turn
+constexpr int kPhaseSteps = 36;      // steps of the phase in half a turn
 constexpr double kTurnedUnstable = 1.0 + 1e-7;  // matrix of twice the size, with larger rounding errors
-constexpr int kLongestDelay = 200;   // [cycles]
+constexpr int kLongestDelay = 200;   // [cycles] end of the search for the delay margin
 
 double per_cycle(double radius, int cycles) {
   return std::pow(radius, 1.0 / cycles);
@@ -71,7 +71,7 @@ class TurnedLoop {
 
  private:
   std::vector<CycleRow> rows_;
-  std::vector<MatrixXd> without_, readings_;  // for every kind of cycle
+  std::vector<MatrixXd> without_, readings_;  // by kind of cycle: map without readings, their share of it
   int cycles_ = 1;
 };
 

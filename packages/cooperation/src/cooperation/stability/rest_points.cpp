@@ -14,8 +14,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kNewtonSteps = 20;
-constexpr double kPeriod = 0.01;     // [s] of the planned motion
-constexpr double kNoCheck = 1e9;      // [N] a bound that is never reached
+constexpr double kPeriod = 0.01;     // [s] sampling period of the planned motion
+constexpr double kNoCheck = 1e9;      // [N] bound so large that the check is off
 constexpr double kLeastForce = 1.0;  // [N] contact force on a wall at the equilibrium
 
 // Sets the joints that bring the tip to its target, by Newton steps of the task's own inverse from the

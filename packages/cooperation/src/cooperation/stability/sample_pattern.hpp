@@ -6,7 +6,7 @@ namespace veridyn {
 
 /// The cycles of the loop in which force sensors take samples, as a pattern that repeats.
 struct SamplePattern {
-  int cycles = 1;              ///< after which it repeats
+  int cycles = 1;              ///< length of the pattern
   std::vector<double> ratios;  ///< (sensors) samples per cycle; 1 for sensors that are faster
 };
 

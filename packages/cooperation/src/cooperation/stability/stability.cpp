@@ -18,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLeastSwing = 0.25;    // [N] smallest peak-to-peak force that is not noise
-constexpr double kSwingShare = 0.1;     // of the wanted force
+constexpr double kSwingShare = 0.1;     // share of the wanted force above which a swing is an oscillation
 constexpr double kFirstStep = 1.05, kFarStep = 1.5, kOnsetAccuracy = 1.04;
 constexpr int kStiffnessSteps = 56;  // eight per decade
 constexpr double kSameRate = 1e-9;   // relative: rounding
@@ -33,7 +33,7 @@ bool has_increments(const Scenario& s) {
   });
 }
 
-// Modulus per cycle; also above one if an incremental law never comes to rest.
+// Spectral radius per cycle; it is also above one if an incremental force law never comes to rest.
 double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
   const double linear = loop_radius(point.loop, scenario);
   if (linear > kUnstable || !has_increments(scenario)) return linear;

@@ -24,10 +24,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSettled = 0.2;     // [s] at rest after the last phase
+constexpr double kSettled = 0.2;     // [s] duration of the rest after the last phase
 constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
 constexpr double kStands = 1e-3;     // [m/s] speed of a target that rests
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // for quantities that are not measured on boards
 
 class BoardRun : private BoardLoop {
  public:
@@ -218,7 +218,7 @@ class BoardRun : private BoardLoop {
     for (size_t k = 0; k < sides_.size(); ++k) {
       BoardSide& side = *sides_[k];
       const bool blind = control_->sensor_failed() && !unknown;
-      // A target that its tip cannot follow comes to rest far from the arm.
+      // If a tip cannot follow, its target comes to rest far from it: the arm holds its position instead.
       if (blind || state == CooperativeState::kTargetMissed) side.loop().freeze();
       if (!blind && holds && scenario_.control.guard) side.loop().hold_within(bound_, exerted_[k]);
       side.set_held(holds && !gives_up_ && !unknown && keeps_target((*targets_)[k]) && !side.loop().yields());
@@ -232,7 +232,7 @@ class BoardRun : private BoardLoop {
     activate_fault();
   }
 
-  // True if neither the end of the motion nor a falling arm moves the target.
+  // True if the target is at rest: it neither decelerates nor follows a falling arm.
   static bool keeps_target(const TipTarget& target) noexcept {
     return target.velocity.norm() < kStands && target.relief.velocity.norm() < kStands;
   }
@@ -374,9 +374,9 @@ class BoardRun : private BoardLoop {
 
   std::vector<ForceSensor> simulated_;
   std::vector<Sensor> channels_;
-  std::vector<ForceReading> readings_;  // of members, then of the channels of walls
+  std::vector<ForceReading> readings_;  // readings of members, then of the channels of walls
   std::vector<WallChannel> wall_channels_;
-  std::vector<Vector3d> wall_channel_values_;  // [N] by wall
+  std::vector<Vector3d> wall_channel_values_;  // [N] latest readings of the channels, by wall
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   const std::vector<TipTarget>* targets_ = nullptr;
@@ -385,7 +385,7 @@ class BoardRun : private BoardLoop {
   std::vector<Span> spans_;
   BoardCooperationRun out_;
   Eigen::Index row_ = 0;
-  double bound_ = 5.0;  // [N]
+  double bound_ = 5.0;  // [N] largest force of an arm that holds its position
   bool winding_ = false;
   std::unique_ptr<MotionPlan> plan_;
   std::unique_ptr<ScenarioRowFile> file_;

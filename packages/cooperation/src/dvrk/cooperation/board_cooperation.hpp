@@ -40,21 +40,21 @@ struct EmulatedFault {
     kStuck       ///< its amplifiers keep their present currents until they are off
   };
   Kind kind = Kind::kSilent;
-  int arm = 0;      ///< from 0
-  double at = 0.0;  ///< [s]
+  int arm = 0;      ///< index of the arm, from 0
+  double at = 0.0;  ///< [s] time of the fault
 };
 
 /// State of emulated boards and their world at one instant.
 struct EmulatedInstant {
-  double time = 0.0;  ///< [s] of the world
+  double time = 0.0;  ///< [s] time of the world
   struct Arm {
     const VectorXd* q = nullptr;
     const VectorXd* dq = nullptr;
-    const VectorXd* tau = nullptr;  ///< [N m], [N] of the motors; without power that of the brakes
+    const VectorXd* tau = nullptr;  ///< [N m], [N] torques of the motors; without power those of the brakes
     bool driven = false;            ///< an amplifier is on
   };
   std::vector<Arm> arms;
-  double force = 0.0;  ///< [N] largest of any member or wall
+  double force = 0.0;  ///< [N] largest force of any member or wall
 };
 
 /// "silent:slave@2.5", or amplifier, power, encoder, jump, limp.
@@ -87,7 +87,7 @@ struct BoardCooperationOptions {
   /// speed. False: the machine's time.
   bool stepped = false;
   int firmware = 8;
-  double watchdog = 0.030;  ///< [s] of the boards
+  double watchdog = 0.030;  ///< [s] watchdog of the boards
   FaultChecks checks;
   double current_noise = 0.0;  ///< [bits] standard deviation of emulated boards' measured currents
   /// [s] timeout of an arm's boards. A silent arm delays a cycle of the others by this time, three times,
@@ -99,7 +99,7 @@ struct BoardCooperationOptions {
   std::function<std::unique_ptr<ForceSource>(const std::string&)> open_source = open_force_source;
   double sensor_patience = 2.0;  ///< [s] within which every sensor must have given good readings
   std::vector<std::string> force_calibrations;  ///< files of `loadcell calibrate`; empty: newtons
-  double power_timeout = 3.0;                   ///< [s]
+  double power_timeout = 3.0;                   ///< [s] within which all arms must have power
   double hold = 1.0;     ///< [s] for which all arms hold after a fault, with forces within relief_force
   double release = 1.0;  ///< [s] during which the pretension is released before power-off
   std::vector<EmulatedFault> faults;  ///< Faults of emulated arms, for drills
@@ -136,8 +136,8 @@ struct ArmAfterFault {
 
 /// A fault after the first one.
 struct LaterFault {
-  double at = 0.0;   ///< [s]
-  std::string what;  ///< with its arm
+  double at = 0.0;   ///< [s] time of its detection
+  std::string what;  ///< description of the fault and its arm
 };
 
 /// One line for each arm and each later fault, for reports.
@@ -149,19 +149,19 @@ std::string power_text(OffState power, const std::string& not_off);
 struct BoardCooperationRun {
   ScenarioRun run;      ///< measurements: tips from encoders, forces from sensors
   long cycles = 0, late = 0;  ///< cycles of the loop; late: begun more than a period after their time
-  double mean_cycle = 0.0, longest_cycle = 0.0;  ///< [s] from a cycle's begin to its end
-  bool stepped = false;  ///< with a clock that stops while the program computes
+  double mean_cycle = 0.0, longest_cycle = 0.0;  ///< [s] duration of a cycle
+  bool stepped = false;  ///< the clock stopped while the program computed
   BoardEnd end = BoardEnd::kDone;
   std::optional<int> faulty_arm = {};  ///< arm whose fault stopped the run, from 0
-  std::string why;      ///< in words
-  double fault_at = 0.0;                  ///< [s] at which it was detected
-  double release_at = 0.0, off_at = 0.0;  ///< [s] at which the pretension is released; [s] at which power is off everywhere
-  double force_at_release = 0.0;          ///< [N] largest true or measured force when that began
+  std::string why;      ///< the reason in words
+  double fault_at = 0.0;                  ///< [s] time at which it was detected
+  double release_at = 0.0, off_at = 0.0;  ///< [s] times of the release of the pretension and of power-off everywhere
+  double force_at_release = 0.0;          ///< [N] largest true or measured force when the release began
   double force_at_off = 0.0;              ///< [N] the same at power-off
   double largest_force = 0.0;             ///< [N] true if emulated, else measured
-  double largest_force_after_fault = 0.0;  ///< [N]
+  double largest_force_after_fault = 0.0;  ///< [N] largest force after the fault
   std::vector<ArmAfterFault> after_fault;  ///< one for each arm; empty: no fault
-  std::vector<LaterFault> later;           ///< in the order of occurrence
+  std::vector<LaterFault> later;           ///< later faults in the order of occurrence
   std::string not_off;  ///< arms whose boards did not confirm that they are off
   bool live = false;               ///< commands came from a line
   long commands = 0, refused = 0;  ///< commands from the line

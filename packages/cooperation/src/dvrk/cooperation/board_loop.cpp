@@ -9,17 +9,17 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;  // [s] of reading before power-up
-constexpr double kAfter = 0.02;   // [s] of reading after power-off
-constexpr double kJumpShare = 0.5;  // share of the largest force; a larger step between two readings is no force
-constexpr double kLeastShare = 0.5;  // share of a sensor's readings; a text below contains "half"
-constexpr double kLeastPeriods = 3.0;       // shortest silence, in periods of the sensor
+constexpr double kLooking = 0.1;  // [s] duration of reading the boards before power-up
+constexpr double kAfter = 0.02;   // [s] duration of reading the boards after power-off
+constexpr double kJumpShare = 0.5;  // share of the largest force: a larger step between two readings is a sensor fault
+constexpr double kLeastShare = 0.5;  // least share of the scenario's sensor rate; the message below says "half"
+constexpr double kLeastPeriods = 3.0;       // shortest silence that counts as a dead sensor, in periods of the sensor
 constexpr const char* kJumps = "jumps from one reading to the next by more than a force can";
 constexpr double kAtRest = 0.05;  // share of the velocity limits, SafetyLimits::rest_share
-constexpr double kExplained = 0.5;  // of FaultChecks::force_disagreement
+constexpr double kExplained = 0.5;  // share of FaultChecks::force_disagreement below which a force counts as explained
 constexpr const char* kNoTorque =
     "its torques do not explain the force that the other arms' torques do: motors without torque, a wrong encoder, or a contact elsewhere";
-constexpr std::size_t kMostTold = 64;  // later faults
+constexpr std::size_t kMostTold = 64;  // largest number of later faults that are reported
 
 }  // namespace
 
@@ -98,7 +98,7 @@ bool BoardLoop::collect_faults(std::size_t k) noexcept {
     if (why_ == nullptr) {
       fail(news.what, static_cast<int>(k));
       faulty_joint_ = news.joint;
-    } else if (!news.old_force && later_.size() < later_.capacity()) {  // the task detected it earlier
+    } else if (!news.old_force && later_.size() < later_.capacity()) {  // old forces were reported
       later_.push_back({news.what, static_cast<int>(k), news.joint, time_});
     }
   }
@@ -116,7 +116,7 @@ void BoardLoop::watch_hold() noexcept {
     if (side.is_unresponsive()) arm.known = false;
     if (!side.valid()) continue;
     if (!arm.off && !side.powered()) arm.off = time_;
-    if (gives_up_) continue;  // arms yield then
+    if (gives_up_) continue;  // arms may move while the pretension is released
     arm.moved = std::max(arm.moved, (side.tip() - arm.from).norm());
     const bool rests = side.speed() <= kAtRest;
     if (rests && !arm.rest) arm.rest = time_ - fault_at_;
@@ -212,9 +212,9 @@ ForceReading BoardLoop::read_sensor(Sensor& sensor) noexcept {
 void BoardLoop::wait_for_sensors(std::vector<Sensor>& sensors) {
   const std::size_t count = sensors.size();
   std::vector<double> good_since(count, -1.0);
-  std::vector<long> before(count, 0), readings(count, 0);  // at good_since, and since then
+  std::vector<long> before(count, 0), readings(count, 0);  // number of readings at good_since, and since then
   std::vector<long> numbers(count, 0);
-  std::vector<double> last(count, -1.0);  // [s] of the last reading
+  std::vector<double> last(count, -1.0);  // [s] time of the last reading
   const double begun = time_;
   const auto heard = [&](std::size_t k) { return good_since[k] >= 0.0 && now_ - good_since[k] >= kHeard; };
   for (const double until = time_ + options_.sensor_patience; !stopped();) {

@@ -33,7 +33,7 @@ class BoardLoop {
   struct Sensor {
     std::string name;
     std::unique_ptr<ForceChannel> channel;
-    double rate = 0.0;  ///< [Hz] of readings that the scenario assumes
+    double rate = 0.0;  ///< [Hz] rate of readings that the scenario assumes
     long jumps = 0;     ///< ForceChannel::jumps() until now
   };
   /// Opens a source; readings that jump by more than forces can are rejected.
@@ -45,7 +45,7 @@ class BoardLoop {
   /// Cycles without power until every sensor has given good readings for kHeard; age counts from the start.
   /// @throws InvalidInput  a sensor has not after BoardCooperationOptions::sensor_patience.
   void wait_for_sensors(std::vector<Sensor>& sensors);
-  static constexpr double kHeard = 0.2;  ///< [s]
+  static constexpr double kHeard = 0.2;  ///< [s] of good readings that every sensor must give before power-up
   static constexpr double kNever = 1e3;  ///< [s] age of a reading that must not be used
 
   /// The arms and their joints as measured by the boards, for a plan before power-up.
@@ -140,8 +140,8 @@ class BoardLoop {
 
   struct Watched {
     Eigen::Vector3d from{Eigen::Vector3d::Zero()};
-    double moved = 0.0, at_fault = 0.0;  // [m], share of the velocity limits
-    std::optional<double> rest, off;     // [s]
+    double moved = 0.0, at_fault = 0.0;  // [m] displacement; speed at the fault as a share of the velocity limits
+    std::optional<double> rest, off;     // [s] duration from the fault to rest; time of power-off
     bool known = true, began = false;
   };
   struct Later {
@@ -154,7 +154,7 @@ class BoardLoop {
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
   bool neighbours_explain_force(std::size_t k) const noexcept;
   std::vector<Watched> watched_;
-  std::vector<Later> later_;  // memory is reserved
+  std::vector<Later> later_;  // reserved in the constructor: the loop does not allocate
 };
 
 }  // namespace veridyn::dvrk

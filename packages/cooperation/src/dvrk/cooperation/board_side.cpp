@@ -10,9 +10,9 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kForceFactor = 1.5;      // factor on the controller's bound for the supervisor's bound
-constexpr double kAgeFactor = 10.0;       // the controller stops first
-constexpr double kOverrun = 0.05;         // [s]
-constexpr double kSensorAge = 0.02;       // [s] of positions
+constexpr double kAgeFactor = 10.0;       // factor on the controller's bound, so that the controller stops first
+constexpr double kOverrun = 0.05;         // [s] longest cycle that the supervisor accepts
+constexpr double kSensorAge = 0.02;       // [s] largest age of positions
 constexpr double kSaturatedSeconds = 0.5;
 constexpr double kStall = 0.6;            // [s] longer stall: the supervisor holds the arm before its boards switch it off
 constexpr int kStarts = 20;

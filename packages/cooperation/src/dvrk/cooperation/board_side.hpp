@@ -97,8 +97,8 @@ class BoardSide {
   FaultChecks checks_;
   bool valid_ = false, deaf_ = false, reported_silence_ = false, told_off_ = false, cut_ = false, compares_ = false;
   int told_ = 0;  // number of reported events of the supervisor
-  double now_ = 0.0, heard_ = 0.0;  // [s] of this cycle and of the last valid read
-  std::optional<double> acted_;     // [s] of the supervisor's last update
+  double now_ = 0.0, heard_ = 0.0;  // [s] times of this cycle and of the last valid read
+  std::optional<double> acted_;     // [s] time of the supervisor's last update
 };
 
 }  // namespace veridyn::dvrk

@@ -14,20 +14,20 @@ namespace veridyn::dvrk {
 struct TeleoperationRun {
   std::string name;
   std::vector<std::string> phases;      ///< names; the following have one entry for each
-  /// [m] of the follower from s R (leader's displacement), clutch engaged.
+  /// [m] rms distance of the follower's displacement from s R times the leader's, while the clutch is engaged.
   std::vector<double> tracking_rms;
-  std::vector<double> tracking_largest;  ///< [m]
+  std::vector<double> tracking_largest;  ///< [m] largest value of this distance
   std::vector<double> follower_moved;   ///< [m] largest displacement of the follower in the phase
   std::vector<double> force_follower;   ///< [N] mean true force of the wall in the last fifth
   std::vector<double> force_hand;       ///< [N] mean force of the leader's tip on the hand there
   /// [s] lag of the follower behind the leader, by a least-squares shift over all phases with the
   /// clutch engaged and without contact, beyond their first 0.06 s; nullopt without such a phase.
   std::optional<double> latency;
-  double largest_force = 0.0;  ///< [N] of the wall
+  double largest_force = 0.0;  ///< [N] largest force of the wall
   long cycles = 0, late = 0;
   BoardEnd end = BoardEnd::kDone;
   std::string why;        ///< reason in words, if it is not kDone
-  double fault_at = 0.0;  ///< [s]
+  double fault_at = 0.0;  ///< [s] time of the fault
   OffState power = OffState::kNotAsked;
   std::vector<ArmAfterFault> after_fault;  ///< see BoardCooperationRun
   std::vector<LaterFault> later;

@@ -20,8 +20,8 @@ class JoinedBoards {
 
   /// Latest true force of a member [N].
   virtual double tension(int member) const = 0;
-  virtual double rate(int member) const = 0;    ///< [m/s] of its length
-  virtual double largest_force() const = 0;     ///< [N] of any member since the start
+  virtual double rate(int member) const = 0;    ///< [m/s] rate of its length
+  virtual double largest_force() const = 0;     ///< [N] largest force of any member since the start
   /// True force of a wall on its arm [N] in one channel of its sensor, see wall_channels().
   virtual double true_wall_force(int wall, int channel = 0) const = 0;
 
@@ -33,7 +33,7 @@ class JoinedBoards {
   /// Attaches the hand at `place` [m] in the world.
   virtual void attach_hand(const Hand& hand, const Eigen::Vector3d& place) = 0;
   virtual void move_hand_to(const Eigen::Vector3d& place) = 0;  ///< Moves the hand.
-  virtual Eigen::Vector3d hand_force() const = 0;       ///< [N] on the arm, in the world
+  virtual Eigen::Vector3d hand_force() const = 0;       ///< [N] force on the arm, in the world
 
   /// Sets a function that the serving thread calls after each step of the world. Call it before serving.
   virtual void watch(std::function<void(const EmulatedInstant&)> watcher) = 0;

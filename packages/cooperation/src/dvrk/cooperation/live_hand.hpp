@@ -93,8 +93,8 @@ class LiveHand {
   std::mutex showing_;
   Shown shown_;
   std::unique_ptr<MotionPlan> plan_;
-  std::optional<double> told_, planned_;  // [s] of the loop
-  std::atomic<double> jog_until_{0.0};   // [s] until which a jog was planned
+  std::optional<double> told_, planned_;  // [s] loop time of the last report, and of the last plan
+  std::atomic<double> jog_until_{0.0};   // [s] end of the planned jog
   long commands_ = 0, refused_ = 0;
   bool began_ = false, jogs_ = false, quits_ = false;
   double heard_ = 0.0, waits_until_ = 0.0, next_jog_ = 0.0;

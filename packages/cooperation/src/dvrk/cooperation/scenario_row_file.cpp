@@ -10,7 +10,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr std::chrono::milliseconds kBetween{100};  // between two checks for new rows
+constexpr std::chrono::milliseconds kBetween{100};  // time between two checks for new rows
 
 }  // namespace
 

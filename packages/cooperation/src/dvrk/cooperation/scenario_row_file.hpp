@@ -12,9 +12,8 @@ namespace veridyn::dvrk {
 
 /// Writes the rows of a run to a file during the run, in a thread of ordinary priority, so that a
 /// killed program leaves nearly all of them. The first line says that the file is incomplete;
-/// write_scenario_rows() replaces it at the end. The file has another name until it has a row, so that a full
-/// disk keeps an existing one. Devices, pipes and unwritable files are left to
-/// that function.
+/// write_scenario_rows() replaces it at the end. The file has a temporary name until it has a row, so that a
+/// full disk keeps an existing one. Devices, pipes and unwritable files are left to write_scenario_rows().
 class ScenarioRowFile {
  public:
   /// @param run  outlives this; its matrices stay where they are.
@@ -32,7 +31,7 @@ class ScenarioRowFile {
   const ScenarioRun& run_;
   std::string path_, aside_;
   bool named_ = false;
-  std::error_code ignored_;  // a file that is not named is no recording
+  std::error_code ignored_;  // error of renaming: a file that keeps its temporary name does not count as a recording
   std::ofstream file_;
   std::atomic<Eigen::Index> rows_{0};
   std::atomic<bool> ends_{false};

@@ -47,7 +47,7 @@ Json settings_json(const Scenario& s) {
   });
   Json out = {{"arms", arms},
               {"leader", s.arms[s.master].name},
-              // Key of earlier versions.
+              // The leader once more under its former key, for programs that read it.
               {"master", s.arms[s.master].name},
               {"seed", s.seed},
               {"model_error", s.model_error},

@@ -27,7 +27,7 @@ class ArmPoints {
   void add_force(int frame, const Eigen::Vector3d& offset, const Eigen::Vector3d& force,
                  double share, VectorXd& tau) const noexcept;
 
-  /// (3 x n)
+  /// Jacobian (3 x n) of the velocity of the point in the world.
   void jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) const noexcept;
 
  private:
@@ -35,7 +35,7 @@ class ArmPoints {
   Recursion<double> recursion_;
   Posed base_;
   VectorXd dq_;
-  std::vector<Posed> T_world_;  // by link
+  std::vector<Posed> T_world_;  // pose of every link in the world
 };
 
 }  // namespace veridyn

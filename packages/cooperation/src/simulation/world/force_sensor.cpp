@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSameTime = 1e-9;  // [s]
+constexpr double kSameTime = 1e-9;  // [s] tolerance of times that count as equal
 
 }  // namespace
 
@@ -56,7 +56,7 @@ ForceSample ForceSensor::read(double time, double force) noexcept {
     const ForceSample sample{s.measured(force), time, s.taken};
     s.ring[s.taken % size] = sample;
     const long due = static_cast<long>(std::floor((time + kSameTime) * s.options.rate));
-    for (long k = s.taken + 1; k <= due; ++k) {  // the missed ones repeat it
+    for (long k = s.taken + 1; k <= due; ++k) {  // samples that were due since the last call repeat this one
       s.ring[k % size] = {sample.force, time, k};
     }
     s.taken = std::max(s.taken, due) + 1;

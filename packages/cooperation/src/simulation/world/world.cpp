@@ -11,9 +11,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation per substep
-constexpr double kSubstepDecay = 0.2;         // decay rate times substep
-constexpr double kAhead = 0.01;               // [m] increase of a tip's depth between these updates
+constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] largest phase of the fastest oscillation per substep
+constexpr double kSubstepDecay = 0.2;         // largest product of decay rate and substep
+constexpr double kAhead = 0.01;               // [m] allowance for the depth of a tip in a wall between these updates
 constexpr int kReview = 20;                   // steps between updates of the stiffness estimate
 
 void require_positive(double value, const char* what, const std::string& name) {

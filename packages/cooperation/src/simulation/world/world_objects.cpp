@@ -73,7 +73,7 @@ void World::State::add_bodies(double share, double h) {
       const Eigen::Vector3d arm = body.R * g.point_body;
       const Eigen::Vector3d force =
           g.stiffness * (hand.position - body.p - arm) +
-          g.damping * (hand.velocity - body.v - spin.cross(arm));  // on the body
+          g.damping * (hand.velocity - body.v - spin.cross(arm));  // force on the body
       body.force += share * force;
       body.moment += share * arm.cross(force);
       push(g.held_by, -force, share);

@@ -60,7 +60,7 @@ struct World::State {
   std::vector<BodyMotion> rates;          // force and moment at the substep's start
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};
   double time = 0.0, work = 0.0;
-  double fastest = 0.0, damping_rate = 0.0;  // [rad/s], [1/s]
+  double fastest = 0.0, damping_rate = 0.0;  // [rad/s] fastest oscillation, [1/s] fastest decay
   int until_review = 0;
   int count = 1;
 };

@@ -16,9 +16,9 @@ struct BoardArmOptions {
   std::string instrument;       ///< instrument of a known arm, which couples its discs
   std::string host = "127.0.0.1";
   std::uint16_t port = 1394;
-  double rate = 1000.0;          ///< [Hz] of the cycle
-  double watchdog = 0.030;       ///< [s] without a command after which boards switch off
-  double reply_timeout = 0.004;  ///< [s] for all replies of a cycle
+  double rate = 1000.0;          ///< [Hz] rate of the cycle
+  double watchdog = 0.030;       ///< [s] time without a command after which boards switch off
+  double reply_timeout = 0.004;  ///< [s] limit for all replies of a cycle
 };
 
 /// One arm behind dVRK boards, real or emulated, for your own control loop:
@@ -30,7 +30,7 @@ struct BoardArmOptions {
 /// The boards' safety functions are active (packages/dvrk/docs/boards.md): watchdogs, currents, temperatures,
 /// supplies, encoders and pots are checked with every read, and any fault switches off until power_on() is
 /// called again. A cycle without set_torques() has zero current. Joints without given torques are held at
-/// their position at power-on, with the laboratory's gains of a known arm. After the constructor nothing
+/// their position at power-on, with the PID gains of the known arm. After the constructor nothing
 /// throws or allocates; read() blocks for at most `reply_timeout`. The destructor switches off. One object
 /// serves one thread.
 class BoardArm {

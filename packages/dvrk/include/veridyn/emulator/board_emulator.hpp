@@ -17,7 +17,7 @@ namespace veridyn::dvrk {
 enum class ReplyFault {
   kNone,
   kDrop,
-  kDelay,     ///< by EmulatorFaults::delay
+  kDelay,     ///< the reply is late by EmulatorFaults::delay
   kTruncate,  ///< the last four bytes are missing
   kExtend,    ///< four bytes too many
   kLabel,     ///< Label of an earlier request
@@ -27,14 +27,14 @@ enum class ReplyFault {
   kBus,       ///< source bus is not 0x3FF
   kCrc,       ///< wrong and not zero
   kOld,       ///< a hub block that repeats the first one with its label
-  kForeign    ///< from an unknown address
+  kForeign    ///< the reply comes from an unknown address
 };
 
 struct EmulatorFaults {
   ReplyFault reply = ReplyFault::kNone;
   int replies = 0;                    ///< Number of replies; -1: all
   int node = -1;                      ///< This node alone; -1: any
-  double delay = 0.005;               ///< [s] for kDelay
+  double delay = 0.005;               ///< [s] delay of a kDelay reply
   std::uint8_t flags = 0;             ///< set in every trailer
   std::uint8_t packet_errors = 0;     ///< the count in every trailer
   std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
@@ -45,11 +45,11 @@ struct EmulatorFaults {
 /// One reply of the emulator; size 0: none.
 struct Answer {
   std::size_t size = 0;
-  double delay = 0.0;    ///< [s] after which it leaves
-  bool foreign = false;  ///< to be sent from another address
+  double delay = 0.0;    ///< [s] time after which it leaves
+  bool foreign = false;  ///< true if it must be sent from another address
 };
 
-/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: sections 2 to 11 and
+/// Several boards on one FireWire bus behind one Ethernet port, as a client sees them: specification 2 to 11 and
 /// 14 (bridge mode). A function of datagrams and times only; BoardServer adds the UDP sockets. handle() does
 /// not allocate.
 class BoardEmulator {
@@ -133,7 +133,7 @@ class BoardEmulator {
   std::vector<int> by_id_;  ///< places in ascending order of their ids
   std::vector<MotorDrive> drives_;
   std::vector<ChannelMotion> motions_;
-  std::vector<HubSlot> slots_;  ///< by place
+  std::vector<HubSlot> slots_;  ///< one per board
   StandingLoad standing_;
   BoardLoad* load_ = nullptr;
   Ticks now_ = 0;
@@ -141,7 +141,7 @@ class BoardEmulator {
   bool ethernet_only_ = false;
   Ticks reset_until_ = 0;
   std::uint8_t gap_count_ = 63;  ///< Gap count of all PHYs, that of power-up
-  std::uint8_t echo_ = 0;        ///< flags of the trailer that repeat the request's
+  std::uint8_t echo_ = 0;        ///< trailer flags that repeat those of the request
   Ticks query_at_ = 0;
   std::uint32_t query_ = 0;
   std::uint8_t generation_;

@@ -8,12 +8,12 @@
 namespace veridyn::dvrk {
 
 /// An emulator behind a UDP port, in real time. Clients also send to a broadcast address and to a group
-/// (sections 1 and 2.3), so that it has to listen on more than one address.
+/// (specification 1 and 2.3), so that it has to listen on more than one address.
 class BoardServer {
  public:
   enum class Listens {
-    kHere,       ///< only for programs on this machine
-    kEverywhere  ///< on all addresses of the machine
+    kHere,       ///< listens only to programs on this machine
+    kEverywhere  ///< listens on all addresses of the machine
   };
 
   /// @param port  0: any free one, see port(). Real hosts only use 1394.
@@ -51,7 +51,7 @@ class BoardServer {
   BoardEmulator& emulator_;
   Listens listens_;
   int socket_ = -1;
-  int other_socket_ = -1;  ///< for replies from an unknown address
+  int other_socket_ = -1;  ///< socket for replies from an unknown address
   std::uint16_t port_ = 0;
   double start_ = 0.0;
   double latest_ = 0.0;

@@ -24,7 +24,7 @@ struct BoardSetup {
   bool io_expander = false;
   bool senses_chain = true;          ///< Rev 8 on: status bit 14
   double pot_noise = 0.0;            ///< standard deviation [bits]
-  double current_noise = 0.0;        ///< the same of measured currents
+  double current_noise = 0.0;        ///< standard deviation of measured currents [bits]
   std::vector<std::uint8_t> dallas;  ///< memory of an instrument's chip; empty: no chip
 };
 
@@ -33,7 +33,7 @@ struct PowerChain {
   bool emergency_stop = false;  ///< pressed
   bool supply_on = true;
   bool relays_closed = false;  ///< relays of all boards in series are closed; set by the emulator
-  Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
+  Ticks rise = 983040;         ///< time from power enabled to voltage present: 20 ms
 };
 
 /// Faults of a board.
@@ -56,7 +56,7 @@ struct BoardFaults {
   std::array<bool, kChannels> pot_wire{};         ///< the wire is broken: the pot reads zero
 };
 
-/// One FPGA board with its QLA: registers (section 7), amplifier logic (14.2), watchdog (14.1),
+/// One FPGA board with its QLA: registers (specification 7), amplifier logic (14.2), watchdog (14.1),
 /// current check (14.3). It has no sockets and no clock: advance() provides the time.
 class EmulatedBoard {
  public:

@@ -7,7 +7,7 @@
 
 namespace veridyn::dvrk {
 
-/// A quadrature encoder with its counters: section 11. Between two calls of move() it turns at a constant
+/// A quadrature encoder with its counters: specification 11. Between two calls of move() it turns at a constant
 /// speed; every edge has a time.
 class EmulatedEncoder {
  public:
@@ -26,7 +26,7 @@ class EmulatedEncoder {
 
   EncoderWords words(int firmware, Ticks now) const noexcept;
 
-  /// Levels of the lines.
+  /// Levels of the lines A and B.
   bool line_a() const { return phase() == 0 || phase() == 1; }
   bool line_b() const { return phase() == 1 || phase() == 2; }
 

@@ -58,7 +58,7 @@ class SimulatedArm final : public BoardLoad {
   std::vector<Motor> motors_;
   std::vector<std::size_t> brake_channels_;
   MatrixXd joint_to_actuator_;
-  MatrixXd actuator_to_pot_;  ///< if pots are not on the actuators; empty: they are
+  MatrixXd actuator_to_pot_;  ///< actuator to pot positions; empty: pots are on the actuators
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
   JointSensors sensors_;
   VectorXd effort_, joint_effort_, q_, shown_q_, actuator_q_, pot_q_, tau_, rest_;

@@ -8,7 +8,7 @@ namespace veridyn::dvrk {
 class SteppedClock {
  public:
   virtual ~SteppedClock() = default;
-  virtual double now() const = 0;  ///< [s]
+  virtual double now() const = 0;  ///< [s] present time
   /// Answers all datagrams in the boards' sockets at the present time.
   virtual void serve() = 0;
   /// The same, then advances the time.
@@ -20,7 +20,7 @@ class SteppedClock {
 /// timeout.
 class SteppedLink final : public DatagramLink {
  public:
-  static constexpr double kRoundTrip = 50e-6;  ///< [s]
+  static constexpr double kRoundTrip = 50e-6;  ///< [s] from a request to its reply
 
   /// @throws InvalidInput  as UdpLink.
   SteppedLink(std::uint16_t port, SteppedClock& clock) : udp_("127.0.0.1", port), clock_(clock) {}

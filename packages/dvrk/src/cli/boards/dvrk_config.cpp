@@ -19,7 +19,7 @@ struct DvrkConfigRequest {
   std::string output;
 };
 
-// Prints values that a laboratory can compare with its documents, in degrees and millimetres.
+// Prints values in degrees and millimetres, for comparison with an arm's documents.
 void print_actuator(const dvrk::ActuatorConfig& a, int index) {
   const double factor = a.prismatic ? 1e3 : 180.0 / M_PI;
   const char* unit = a.prismatic ? "mm" : "deg";

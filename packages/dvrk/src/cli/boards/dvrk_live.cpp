@@ -16,9 +16,9 @@ namespace {
 
 using dvrk::ArmSession;
 
-constexpr double kForever = 1e9;     // [s]
+constexpr double kForever = 1e9;     // [s] duration of a run without --seconds
 constexpr double kSilence = 0.5;  // [s] without a valid read, after which the boards count as lost
-constexpr double kTableEvery = 0.5;  // [s]
+constexpr double kTableEvery = 0.5;  // [s] between two rows of the table
 
 std::string flags_of(const dvrk::Status& s) {
   std::string out;

@@ -27,15 +27,15 @@ struct DvrkRequest {
   std::uint16_t port = 1394;
   std::string protocol = "automatic";
   std::size_t mtu = 1500;
-  double rate = 1500.0;     ///< [Hz]
-  double watchdog = 0.030;  ///< [s]
+  double rate = 1500.0;     ///< [Hz] rate of the loop
+  double watchdog = 0.030;  ///< [s] watchdog of the boards
   double seconds = 0.0;     ///< 0: until a signal
   std::string output;
   std::string trajectory;
   std::string gains;
   std::string controller = "pid";  ///< or computed-torque, impedance, gravity
   std::string tip;                 ///< frame of the impedance
-  double stiffness = 800.0;        ///< [N/m] of the impedance
+  double stiffness = 800.0;        ///< [N/m] stiffness of the impedance
   double approach_speed = 0.25;
   std::vector<double> largest_error;  ///< one per joint, or one for the revolute joints
   bool home = false;                  ///< a reading command may initialise encoders
@@ -49,9 +49,9 @@ struct DvrkRequest {
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;
-  std::vector<std::string> arms, models;          ///< of the emulator, which may have several arms
+  std::vector<std::string> arms, models;          ///< arms of the emulator and their models
   std::vector<std::string> chips;                 ///< BOARD=FILE; FILE holds the bytes of the Dallas chip of the instrument on that board
-  std::optional<double> pot_noise, current_noise;  ///< [bits]
+  std::optional<double> pot_noise, current_noise;  ///< [bits] standard deviations of emulated readings
   CommonOptions common;
 };
 

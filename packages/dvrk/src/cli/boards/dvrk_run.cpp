@@ -18,8 +18,7 @@ namespace {
 
 using dvrk::ArmSession;
 
-// The laboratory's gains of a known arm; with a model, gains designed for it replace the first
-// ones.
+// PID gains of the known arm; with a model, gains computed from it replace those of the model's joints.
 PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   const int n = arm.robot.size();
   PidGains gains{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n)};

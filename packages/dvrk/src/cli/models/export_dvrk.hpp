@@ -4,7 +4,7 @@
 
 namespace veridyn::cli {
 
-/// Files that laboratories with a da Vinci Research Kit use: --dvrk-gravity, --dvrk-scales, --dvrk-arm, --dvrk-config,
+/// Files for the software of the da Vinci Research Kit: --dvrk-gravity, --dvrk-scales, --dvrk-arm, --dvrk-config,
 /// --static-torques. The files print their accuracy.
 ExportExtension export_dvrk();
 

@@ -10,10 +10,10 @@
 namespace veridyn::dvrk {
 namespace {
 
-// The laboratory's tolerance between pots and encoders.
+// Usual tolerance of dVRK configurations between pots and encoders.
 constexpr double kPotTolerance = 5.0 * M_PI / 180.0;  // [rad]
-constexpr double kPotToleranceLength = 0.005;         // [m]
-constexpr double kPotLatency = 0.01;                  // [s]
+constexpr double kPotToleranceLength = 0.005;         // [m] tolerance for a prismatic joint
+constexpr double kPotLatency = 0.01;  // [s] time for which the tolerance may be exceeded
 
 ActuatorConfig nominal_actuator(const ArmActuator& facts, const std::vector<int>& boards) {
   ActuatorConfig actuator;

@@ -62,8 +62,8 @@ class PsmKinematics {
   ///
   /// Singular where the shaft's end is in the remote centre (q3 = 0.0156 m), where the axis of
   /// wrist yaw passes through it (wrist pitch beyond 90 degrees) and where the shaft lies along the
-  /// axis of yaw (pitch at 90 degrees). What is free is then taken from `near`, and q reaches the
-  /// pose all the same.
+  /// axis of yaw (pitch at 90 degrees). Joints that the pose leaves free are then taken from
+  /// `near`, and q still reaches the pose.
   InverseSolution<6> inverse(const Eigen::Matrix4d& T_base_tip, const Joints& near) const noexcept;
 
  private:
@@ -71,8 +71,8 @@ class PsmKinematics {
                    const Joints& near, bool& singular) const noexcept;
 
   double remote_;  ///< [m] insertion at which the frame of insertion is in the remote centre
-  double shaft_;   ///< [m] from there to the wrist
-  double wrist_;   ///< [m] between the axes of the wrist
+  double shaft_;   ///< [m] distance from there to the wrist
+  double wrist_;   ///< [m] distance of the axes of the wrist
   Eigen::Matrix4d T_tip_last_;
   JointRanges<6> ranges_;
 };
@@ -103,8 +103,8 @@ class MtmKinematics {
 
   explicit MtmKinematics(const ArmFacts& arm);
 
-  /// Yaw, shoulder, elbow that put the wrist there: of up to four, the one within the limits,
-  /// nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
+  /// Yaw, shoulder and elbow for a position of the wrist [m]: of up to four solutions the one within
+  /// the limits nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
   /// arm is stretched two solutions meet, and errors grow to the square root of rounding (1e-8
   /// rad).
   InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist,
@@ -117,10 +117,10 @@ class MtmKinematics {
  private:
   Eigen::Matrix3d platform_orientation(const Joints& q) const noexcept;
 
-  double height_;   ///< [m] of the shoulder
+  double height_;   ///< [m] height of the shoulder
   double upper_;    ///< [m] length of the upper arm
   double forearm_;  ///< [m]
-  double offset_;   ///< [m] of the wrist across the forearm
+  double offset_;   ///< [m] offset of the wrist across the forearm
   Eigen::Matrix4d T_tip_last_;
   JointRanges<7> ranges_;
   JointRanges<3> position_ranges_;  ///< Position ranges of yaw, shoulder, elbow

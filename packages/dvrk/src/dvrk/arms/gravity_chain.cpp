@@ -13,15 +13,15 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kFitted = 300;   // random configurations for the fit
-constexpr int kJudged = 2000;  // other configurations for the largest error
+constexpr int kFitted = 300;   // number of random configurations for the fit
+constexpr int kJudged = 2000;  // number of other random configurations, which give the largest error
 constexpr double kTolerance = 0.05;    // share of a joint's largest torque
 constexpr double kIndependent = 1e-9;  // largest remainder of a dependent column, as a share of its length
-constexpr double kNothing = 1e-12;     // kg or kg m below which a value is rounding
-constexpr double kNoTorque = 1e-9;     // N m or N below which a value is rounding
-constexpr double kCentreOffset = 0.1;  // m, offset of a centre whose mass may be chosen
-constexpr int kMoments = 4;            // per link: hx, hy, hz, m
-constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // places in InertialParameters
+constexpr double kNothing = 1e-12;     // [kg], [kg m] bound below which a value is rounding
+constexpr double kNoTorque = 1e-9;     // [N m], [N] bound below which a value is rounding
+constexpr double kCentreOffset = 0.1;  // [m] offset of a centre whose mass may be chosen
+constexpr int kMoments = 4;            // moments of a link: hx, hy, hz, m
+constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // their indices in InertialParameters
 
 // Correspondence of the model's coordinates and the rows of the chain.
 struct Match {
@@ -172,7 +172,7 @@ std::vector<GravityRow> rows_of(const ArmFacts& arm, const VectorXd& x) {
   return rows;
 }
 
-// The unknowns, computed from the rows.
+// Moments of all links of the given rows.
 VectorXd moments_of(const std::vector<GravityRow>& rows) {
   VectorXd x(kMoments * static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -9,13 +9,13 @@
 
 namespace veridyn::dvrk {
 
-/// One link of the chain in the laboratory's gravity compensation.
+/// One link of the chain in the gravity compensation of the dVRK software.
 struct GravityRow {
   std::string joint;
   bool prismatic = false;
   DhRow dh;                      ///< modified
   double mass = 0.0;             ///< [kg]; see GravityChain
-  Eigen::Vector3d com{0, 0, 0};  ///< [m] in the link's frame
+  Eigen::Vector3d com{0, 0, 0};  ///< [m] center of mass in the link's frame
 };
 
 /// A serial chain of DH rows with a mass and a centre in each link that has the same gravity torques as an
@@ -50,7 +50,7 @@ GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm);
 /// Torques of the chain's own rows, one per row. @param q  one entry per row [rad, m].
 VectorXd gravity_torques(const GravityChain& chain, const VectorRef& q);
 
-/// The rows in the format of the laboratory's kinematics files ("DH": {"convention": "modified", "joints":
+/// The rows in the format of the dVRK software's kinematics files ("DH": {"convention": "modified", "joints":
 /// [...]} with mass, cx, cy, cz; the names are from memory, no sample file was available), and next to them
 /// their origin.
 std::string to_gravity_json(const GravityChain& chain, const std::string& model);
@@ -62,8 +62,8 @@ struct StaticTorques {
 };
 
 /// Reads a static gravity recording: a header q1..qn,tau1..taun in any order (other columns are ignored), or
-/// no header, positions followed by efforts (the latter is an assumption about the laboratories' files, of
-/// which none was available).
+/// no header, positions followed by efforts (the latter is an assumption, since no file without a header was
+/// available).
 /// @throws InvalidInput  file and line, what was found and expected.
 StaticTorques read_static_torques(const std::string& path);
 

@@ -31,7 +31,7 @@ Json row_json(const GravityRow& row) {
           {"cz", row.com.z()}};
 }
 
-// The index of a column called prefix + "3": 2; -1 for other columns.
+// Index of the joint of a column: 2 for prefix + "3"; -1 for other columns.
 int joint_of(const std::string& column, const std::string& prefix) {
   if (column.rfind(prefix, 0) != 0 || column.size() == prefix.size()) return -1;
   int joint = 0;
@@ -40,7 +40,7 @@ int joint_of(const std::string& column, const std::string& prefix) {
   return error == std::errc() && stop == end && joint > 0 ? joint - 1 : -1;
 }
 
-// Places of q1..qn and tau1..taun in a line.
+// Indices of the columns q1..qn and tau1..taun.
 struct Columns {
   std::map<int, std::size_t> q, tau;
   std::size_t count = 0;

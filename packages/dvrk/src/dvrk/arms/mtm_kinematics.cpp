@@ -84,7 +84,7 @@ InverseSolution<7> MtmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
   Joints q = near;
   q.head<3>() = place.q;
   const Eigen::Matrix3d R47 = platform_orientation(q).transpose() * T.topLeftCorner<3, 3>();
-  // Its last column is (-c5 c6, -s6, -s5 c6).
+  // The last column of R47 is (-c5 c6, -s6, -s5 c6).
   const double across = std::hypot(R47(0, 2), R47(2, 2));
   const bool singular = across < kSingularDistance || place.status == InverseStatus::kSingular;
   for (const double side : {1.0, -1.0}) {

@@ -12,7 +12,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
+constexpr double kQueryLatency = 10e-6;  // [s] from the query to the first block in the hub: specification 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
 constexpr double kShortestWait = 0.001;  // [s] timeout of a reply if the cycle is late already
 constexpr double kLateCycles = 2.5;      // cycles between time stamps that indicate a missed one
@@ -56,7 +56,7 @@ Route BoardBus::route(const Board& b) const {
   return route_to(*b.info.node);
 }
 
-// Section 2.3: without FireWire a node's number is its board's id, and each has its own address.
+// Without FireWire a node's number is its board's id, and each board has its own address: specification 2.3.
 Route BoardBus::route_to(int node) const {
   return {static_cast<std::uint8_t>(node), ethernet_only_, Destination::kBoard, ethernet_only_ ? std::make_optional(node) : std::nullopt};
 }
@@ -76,7 +76,7 @@ void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
   boards_[b].zero[channel] = bits;
 }
 
-// ---- reading
+// Reading.
 
 void BoardBus::disconnect(Board& b, Condition why) noexcept {
   b.valid = false;
@@ -132,7 +132,7 @@ void BoardBus::read_sequential() noexcept {
     } else {
       disconnect(b, condition_of(result));
     }
-    if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
+    if (result == ReadResult::kDropped) {  // nodes may have changed: none is addressed now (specification 17 #3)
       for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
         disconnect(*other, Condition::kDropped);
       if (state_ == BusState::kRunning) begin_scan(Condition::kGenerationChanged);
@@ -141,7 +141,7 @@ void BoardBus::read_sequential() noexcept {
   }
 }
 
-// Section 8.3.
+// Queries all boards by broadcast, then reads their blocks from the hub: specification 8.3.
 void BoardBus::read_broadcast() noexcept {
   std::uint16_t mask = 0;
   std::size_t quadlets = 1;
@@ -203,7 +203,7 @@ void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
     disconnect_and_log(b, Condition::kWrongHardware, status.word);
     return;
   }
-  // A board that loses a switch-on command may have restarted (section 17 #25).
+  // A board that no longer requests relay or power may have restarted (specification 17 #25).
   constexpr std::uint32_t kRequests = (1U << 18) | (1U << 16);
   if (((b.feedback.status.word & ~status.word) & kRequests) != 0) b.suspect = true;
   b.feedback = decode_feedback(block, b.info.firmware);
@@ -214,7 +214,7 @@ void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
   check_commands(b);
 }
 
-// Section 17 #26; a counter that disagrees with our clock may mean a restart (#25).
+// Detects missed cycles by the timestamp (specification 17 #26). A difference from our clock may mean a restart (#25).
 void BoardBus::check_timestamp(Board& b) noexcept {
   const double now = link_.now();
   const std::optional<double> before = std::exchange(b.read_at, now);
@@ -227,7 +227,7 @@ void BoardBus::check_timestamp(Board& b) noexcept {
   if (std::abs(told - passed) > kJump) b.suspect = true;
 }
 
-// Section 17 #27: the board shows the last command that it executed.
+// Detects lost writes: the board shows the last command that it executed (specification 17 #27).
 void BoardBus::check_commands(Board& b) noexcept {
   if (b.info.firmware < 8) return;  // check_written_commands() reads its registers
   for (size_t c = 0; c < kChannels; ++c) {

@@ -3,16 +3,16 @@
 
 #include "dvrk/boards/board_session.hpp"
 
-// Checks of a session in every cycle: sections 14.6 and 17, #17 to #24.
+// Checks of a session in every cycle: specification 14.6 and conditions #17 to #24 of section 17.
 
 namespace veridyn::dvrk {
 namespace {
 
-// Section 14.6: currents without an amplifier, in bits of the nominal 5242.88 per ampere.
+// Largest measured currents without an amplifier, in bits of the nominal 5242.88 per ampere: specification 14.6.
 constexpr double kDisabledLimit = 524.0;    // 100 mA
 constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
-constexpr double kNearLargest = 0.95;  // share of the largest current
-constexpr double kRelayGrace = 0.050;  // [s] until the contacts have closed
+constexpr double kNearLargest = 0.95;  // share of the largest current above which a motor may be stalled
+constexpr double kRelayGrace = 0.050;  // [s] time within which the relay's contacts must close
 
 }  // namespace
 
@@ -47,7 +47,7 @@ void BoardSession::check_board(int b) noexcept {
   }
 }
 
-// #20
+// Condition #20: a relay that is requested is open.
 void BoardSession::check_relay(int b, const BoardFeedback& f) noexcept {
   if (checked_ == PowerState::kOff || checked_ == PowerState::kFault) return;
   const bool late = checked_ != PowerState::kRelay || link_.now() - entered_ > kRelayGrace;
@@ -55,7 +55,7 @@ void BoardSession::check_relay(int b, const BoardFeedback& f) noexcept {
     note(Condition::kRelayOpen, Reaction::kAmpsOff, b, {}, f.status.word);
 }
 
-// #17 to #19. In states kOff and kFault only faults that a client has to know of in any case.
+// Conditions #17 to #19. In states kOff and kFault only a fault of the supply itself is reported.
 void BoardSession::check_power(int b, const BoardFeedback& f) noexcept {
   const Status s = f.status;
   if (s.supply_fault()) note(Condition::kSupplyFault, Reaction::kPowerOff, b, {}, s.word);
@@ -65,7 +65,7 @@ void BoardSession::check_power(int b, const BoardFeedback& f) noexcept {
     note(Condition::kNoSupply, Reaction::kAmpsOff, b, {}, s.word);
 }
 
-// #23
+// Condition #23: a warm board is reported, a hot one is switched off.
 void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
   for (int sensor = 0; sensor < 2; ++sensor) {
     const bool valid = f.temperature.valid(sensor);
@@ -89,8 +89,8 @@ void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept 
   check_pot(b, c, one);
 }
 
-// #21: after the grace of section 14.5 #8, or at once where the board itself reports a fault (Rev
-// 8).
+// Condition #21: an amplifier is off after the grace of section 14.5 #8, or the board itself reports its fault
+// (Rev 8).
 void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const double now = link_.now();
@@ -108,7 +108,7 @@ void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, f.status.word);
 }
 
-// #23. The current of an amplifier that is on has to lie between the last commands.
+// Condition #23: the current of an amplifier that is on must lie between the last commands.
 void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
@@ -130,7 +130,7 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
          f.channel[c].current);
 }
 
-// A stalled motor at its current limit, independent of the controller and its estimates.
+// Detects a motor that stands still near its current limit, independently of the controller's estimates.
 void BoardSession::check_stall(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
@@ -148,7 +148,7 @@ void BoardSession::check_stall(int b, int c, const BoardFeedback& f) noexcept {
     note(Condition::kStalled, Reaction::kPowerOff, b, c, f.channel[c].current);
 }
 
-// #24
+// Condition #24: an encoder has overflowed or reports an impossible transition.
 void BoardSession::check_encoder(int b, int c, const BoardFeedback& f) noexcept {
   const EncoderWords& words = f.channel[c].encoder;
   const bool overflow = encoder_overflow(words.position);
@@ -158,7 +158,7 @@ void BoardSession::check_encoder(int b, int c, const BoardFeedback& f) noexcept 
        overflow ? words.position : words.period);
 }
 
-// Section 14.6, last line.
+// A lasting difference between pot and encoder switches off: specification 14.6, last line.
 void BoardSession::check_pot(int b, int c, const ChannelFeedback& one) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);

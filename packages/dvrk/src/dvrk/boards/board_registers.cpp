@@ -19,8 +19,8 @@ void BoardBus::poll_registers() noexcept {
   if (b.valid) check_registers(b);
 }
 
-// Section 17 #27: Rev 7 shows its commands only in registers. Reads one channel at a time, and again if it
-// differs, so that an overtaken write does not count as lost.
+// Rev 7 shows its commands only in registers (specification 17 #27). Reads one channel per call, and again if it
+// differs, so that a write that the read has overtaken does not count as lost.
 void BoardBus::check_written_commands() noexcept {
   if (state_ != BusState::kRunning || exchange_.generation_changed() || listens()) return;
   const std::size_t sockets = boards_.size() * kChannels;
@@ -57,7 +57,7 @@ void BoardBus::read_back_command(Board& b, std::size_t c) noexcept {
   note(b.unshown, b.info.id, channel, b.feedback.channel[c].motor.word);
 }
 
-// Sections 17 #25 and #28.
+// Detects a restarted board and errors of its Ethernet port: specification 17, #25 and #28.
 void BoardBus::check_registers(Board& b) noexcept {
   std::uint32_t value = 0;
   const double timeout = options_.rescan_timeout;
@@ -113,7 +113,7 @@ void BoardBus::read_by_register() noexcept {
 std::string BoardBus::qla_serial(int b) {
   constexpr std::uint32_t kReadFromStart = 0xFE000000;
   constexpr std::uint32_t kQuadlets = 3;
-  constexpr double kReading = 0.001;  // [s]
+  constexpr double kReading = 0.001;  // [s] duration of the board's access to its memory
   const std::string kPrefix = "QLA ";
   QuadletView block;
   if (!write_register(b, address::kQlaPromCommand, kReadFromStart | (kQuadlets - 1))) return "";

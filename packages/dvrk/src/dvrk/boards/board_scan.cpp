@@ -6,18 +6,18 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/text_stream.hpp"
 
-// Bus scan: section 5, and again whenever nodes may have changed (section 6).
+// Bus scan at the start of a session (specification 5) and whenever nodes may have changed (specification 6).
 
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
+constexpr double kAfterIpAddress = 0.200;  // [s] wait after the IP address was sent: specification 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
-constexpr double kRepeatShare = 0.4;  // share of the timeout; outside of a cycle there is time
+constexpr double kRepeatShare = 0.4;  // share of the timeout after which a request is repeated outside of a cycle
 
-// Gap counts that are sufficient for 1, 2, 3, ... cable hops (IEEE 1394a-2000, annex E.1). As in the
-// laboratory's library, the index is the number of nodes, one more than the hops of a chain: a reserve for a
+// Gap counts that are sufficient for 1, 2, 3, ... cable hops (IEEE 1394a-2000, annex E.1). As in the dVRK
+// library, the index is the number of nodes, one more than the hops of a chain: a reserve for a
 // node that does not answer register reads, such as a computer on the bus.
 constexpr std::array<std::uint8_t, 16> kGapCount = {5,  7,  8,  10, 13, 16, 18, 21,
                                                     24, 26, 29, 32, 35, 37, 40, 43};
@@ -60,14 +60,14 @@ void BoardBus::find_hub() {
               exchange_.read(hub, address::kFirmware, timeout, firmware) == ReadResult::kOk,
           "boards: the hub does not tell its status and firmware.");
   link_.set_hub(static_cast<int>(firmware), Status{status}.board());
-  if (firmware >= 9) hub.to = Destination::kMulticast;  // section 2.3
-  exchange_.expect_silence(true);                       // reported again for each node
+  if (firmware >= 9) hub.to = Destination::kMulticast;  // Rev 9 boards share a multicast group: specification 2.3
+  exchange_.expect_silence(true);                       // probe() reports missing replies
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
   exchange_.expect_silence(false);
   ethernet_only_ = !options_.firewire && firmware >= 9 && is_fpga_v3(ethernet);
 }
 
-// Section 5 #7. A node that does not answer counts as missing.
+// Reads the identity of a node (specification 5 #7). A node that does not answer counts as missing.
 void BoardBus::probe(int node, double timeout) noexcept {
   const Route route = route_to(node);
   BoardInfo& info = scan_.found[node];
@@ -88,7 +88,7 @@ void BoardBus::probe(int node, double timeout) noexcept {
   info.node = node;
 }
 
-// Section 5 #8: all nodes must wait for the same time, and after power-up they wait too long.
+// Sets the gap count of all nodes (specification 5 #8): it must be the same on all, and is too large after power-up.
 void BoardBus::set_gap_count() noexcept {
   const Route all{kBroadcastNode, false, Destination::kBoard};
   exchange_.write(all, address::kPhyRequest, kReadPhy1);
@@ -169,7 +169,7 @@ std::string BoardBus::words_of(const Objection& objection) const {
               ethernet_only_ ? " on an Ethernet without FireWire (--firewire: there is one)." : ".");
 }
 
-// Section 5, end; section 17 #11 and #16.
+// Chooses the protocol of the cycle by firmware and MTU: specification 5, end, and section 17 #11 and #16.
 void BoardBus::choose_protocol() {
   const bool same = one_group();
   protocol_ = options_.protocol;
@@ -236,7 +236,7 @@ void BoardBus::begin_scan(Condition why) noexcept {
   scan_ = Scan();
 }
 
-// Scans one node per call, so that a control loop can send "off" in between (section 20: a complete
+// Scans one node per call, so that a control loop can send "off" in between (specification 20: a complete
 // scan takes longer than the watchdog allows).
 void BoardBus::scan_step() noexcept {
   const double timeout = options_.rescan_timeout;

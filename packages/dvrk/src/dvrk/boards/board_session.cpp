@@ -9,9 +9,9 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
-constexpr double kObeyBlocks = 0.005;     // [s] in which blocks must show "off"; otherwise registers are written
+constexpr double kObeyBlocks = 0.005;     // [s] within which blocks must show "off"; otherwise registers are written
 constexpr double kObeyRegisters = 0.020;  // [s] in which boards must obey; afterwards this program is silent, so that the watchdog switches off
-constexpr double kBlind = 0.1;  // [s] after which boards that do not answer are left to their watchdog, once
+constexpr double kBlind = 0.1;  // [s] time after which boards that do not answer are left to their watchdog, once
 constexpr double kBite = 2.0;   // duration of that silence, in watchdog periods
 
 }  // namespace
@@ -77,7 +77,7 @@ void BoardSession::start() {
           "boards: a watchdog does not take the period that it was given.");
 }
 
-// The stronger reaction is kept; only acknowledge() leaves kFault.
+// Of two reactions the stronger one is kept. Only acknowledge() leaves kFault.
 void BoardSession::escalate(Reaction reaction, Condition condition, std::optional<int> board,
                          std::optional<int> channel) noexcept {
   if (reaction == Reaction::kReport) return;
@@ -119,7 +119,7 @@ bool BoardSession::update() noexcept {
   return all_valid_;
 }
 
-// Section 14.5, #3 to #8.
+// Steps of the power-up: specification 14.5, #3 to #8.
 void BoardSession::advance_power_state() noexcept {
   const double in_state = link_.now() - entered_;
   const auto all = [&](auto&& holds) {
@@ -165,7 +165,7 @@ void BoardSession::set_command(int b, int c, double bits) noexcept {
   state.asked = true;
 }
 
-// Zero currents and amplifiers off, in words of the block.
+// Sets the next block of a board to zero currents and amplifiers off.
 void BoardSession::command_off(int b) noexcept {
   BoardCommand& command = bus_.command(b);
   for (int c = 0; c < kChannels; ++c) {
@@ -205,7 +205,7 @@ void BoardSession::commit() noexcept {
   const double in_state = link_.now() - entered_;
   const bool blind = off && !all_valid_;
   const bool disobeyed = off && in_state > kObeyBlocks && amps_stay_on();
-  // A board may use blocks only as signs of life. A watchdog that has tripped stays tripped (14.1).
+  // A board that ignores commands is left to its watchdog: nothing is sent that would keep it alive (section 14.1).
   const bool silent = (disobeyed && in_state > kObeyRegisters) ||
                       (blind && in_state > kBlind && in_state < kBlind + kBite * options_.watchdog);
   bus_.set_silent(silent);
@@ -237,7 +237,7 @@ void BoardSession::commit() noexcept {
     }
     for (int c = 0; c < kChannels; ++c) channel(b, c).asked = false;
   }
-  if (blind) {  // nodes may have changed: only by broadcast
+  if (blind) {  // node numbers may have changed: off goes by broadcast
     bus_.switch_off(power_off_asked_ && off_cycles_ >= kAmpsFirst ? BoardBus::Off::kPower
                                                                   : BoardBus::Off::kAmps);
   } else {
@@ -273,7 +273,7 @@ const char* BoardSession::power_on() noexcept {
     }
   }
   bus_.check_all_for_restart();
-  power_off_asked_ = true;  // requested after a fault or by power_off()
+  power_off_asked_ = true;  // a later fault or power_off() switches the supply off as well
   enter(PowerState::kRelay);
   return nullptr;
 }

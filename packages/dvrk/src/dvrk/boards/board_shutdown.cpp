@@ -1,13 +1,13 @@
 #include "dvrk/boards/board_session.hpp"
 
-// Switching off, and its confirmation by the boards.
+// Switching a session off, with confirmation by the boards.
 
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kOffRepeats = 3;  // at least
+constexpr int kOffRepeats = 3;  // smallest number of times that "off" is sent
 constexpr int kConfirmations = 2;
-constexpr double kOffPause = 0.001;  // [s] between repeats
+constexpr double kOffPause = 0.001;  // [s] time between repeats
 
 }  // namespace
 

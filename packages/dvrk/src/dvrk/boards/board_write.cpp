@@ -76,8 +76,8 @@ void BoardBus::switch_off(Off what) noexcept {
   bool sent = true;
   if (known && one_group())
     sent = exchange_.write_block(broadcast_route(), address::kRealTime, QuadletView(all).part(0, at));
-  // Boards of mixed firmware have no common block, and that of Rev 6 has no control word: one word to every
-  // board.
+  // Boards of mixed firmware have no common block, and the block of Rev 6 has no control word: the control
+  // register of all boards is written.
   if (!known || !one_group() || boards_.front().info.firmware == 6)
     sent = exchange_.write(broadcast_route(), address::kStatus, word) && sent;
   link_lost_ = !sent;
@@ -90,7 +90,7 @@ bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
   return write_register(b, address::kStatus, word);
 }
 
-// While nodes are unknown, a node number may belong to another board, or to all.
+// False while node numbers are unknown: a number may belong to another board.
 bool BoardBus::nodes_known() const noexcept {
   return state_ == BusState::kRunning && !exchange_.generation_changed();
 }
@@ -119,7 +119,7 @@ bool BoardBus::set_watchdog(double seconds) noexcept {
   if (listens()) return false;
   const double counts = std::round(seconds * kTicksPerSecond / kWatchdogTicks);
   watchdog_counts_ = static_cast<std::uint32_t>(std::clamp(counts, 1.0, 65535.0));
-  // Never the power-up value, so that a restarted board can be recognised.
+  // The watchdog never gets its power-up value, so that a restarted board can be recognised.
   if (watchdog_counts_ == kWatchdogDefault) ++watchdog_counts_;
   bool all = true;
   for (int b = 0; b < boards(); ++b) {

@@ -206,7 +206,7 @@ std::string word_at(const std::string& content, std::size_t at) {
                           ", expected JSON, which has nothing like it there."));
 }
 
-// Comments are allowed, since the laboratories' files begin with one for their editors.
+// Comments are allowed, since JSON files of the dVRK begin with one for editors.
 Json parse_json_text(const std::string& content, const std::string& file) {
   try {
     return Json::parse(content, nullptr, true, true);

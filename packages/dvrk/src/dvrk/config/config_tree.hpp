@@ -11,11 +11,11 @@ namespace veridyn::dvrk {
 /// list).
 struct ConfigTree {
   std::string name;     ///< the name in XML; other names in JSON are translated
-  std::string written;  ///< as in the file
+  std::string written;  ///< the name in the file
   int line = 0;         ///< 0 if unknown (JSON)
   bool scalar = false;  ///< has text and no members
-  bool quoted = true;   ///< in JSON: text, not a number or true or false
-  bool listed = false;  ///< in JSON: an item of a list
+  bool quoted = true;   ///< true for text in JSON, false for a number, true or false
+  bool listed = false;  ///< true for an item of a list in JSON
   std::string text;
   std::vector<ConfigTree> members;
 };

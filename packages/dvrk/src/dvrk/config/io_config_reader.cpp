@@ -18,7 +18,7 @@ constexpr int kBoards = 16;
 // 0.25 m.
 constexpr double kMostTurns = 3.0;
 constexpr double kMostSlide = 1.0;  // [m]
-// A pot covers 0.9 to 1.1 times the travel of the soft limits, which a laboratory may reduce to some per
+// A pot covers 0.9 to 1.1 times the travel of the soft limits, which a user may reduce to some per
 // cent. Limits in radians that are read as degrees are 1/57 of the travel.
 constexpr double kLeastOfPot = 0.025, kMostOfPot = 8.0;
 
@@ -107,7 +107,7 @@ class Reader {
     return robot;
   }
 
-  // "6=1234-56 7=1234-57": a key of this program, which the laboratories' programs ignore.
+  // "6=1234-56 7=1234-57": a key of veridyn, which the dVRK software ignores.
   static void read_board_serials(const ConfigNode& node, RobotConfig& robot) {
     std::istringstream list(node.word());
     for (std::string one; list >> one;) {

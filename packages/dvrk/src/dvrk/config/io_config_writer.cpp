@@ -68,7 +68,7 @@ class Writer {
     tree.members.back().quoted = !json_;
   }
 
-  // Degrees and millimetres in XML, as in the laboratories' files.
+  // XML has degrees and millimetres, as in files of sawRobotIO1394.
   double file_unit(double si, bool prismatic) const {
     if (json_) return si;
     return prismatic ? 1e3 * si : si * 180.0 / M_PI;

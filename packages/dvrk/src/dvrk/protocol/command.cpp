@@ -3,7 +3,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Section 10.3, Rev 8 on.
+// The word of a channel in a block write from Rev 8 on: specification 10.3.
 std::uint32_t dac_word(const ChannelCommand& c) noexcept {
   const std::uint32_t amp = c.amp == AmpRequest::kOn    ? 0x30000000U
                             : c.amp == AmpRequest::kOff ? 0x20000000U
@@ -23,7 +23,7 @@ ChannelCommand channel_of(std::uint32_t word) noexcept {
   return c;
 }
 
-// Section 10.4: bits 27:24 hold the board id instead of amplifier and mode.
+// The word of a DAC for Rev 7, where bits 27:24 hold the board id instead of amplifier and mode: specification 10.4.
 std::uint32_t dac_word_rev7(const ChannelCommand& c, std::uint8_t board) noexcept {
   return (c.valid ? 0x80000000U : 0U) | (c.collect ? 0x40000000U : 0U) |
          (static_cast<std::uint32_t>(board & 0xF) << 24) | c.value;
@@ -47,8 +47,8 @@ bool decode_rev8(QuadletView block, BoardCommand& command) noexcept {
   return true;
 }
 
-// Section 10.4: a board uses the quadlets with its own id, and the control word (Rev 7) only if all four have
-// it.
+// A board uses the quadlets with its own id, and the control word (Rev 7) only if all four have this id:
+// section 10.4.
 bool find_rev7(QuadletView blocks, int board, int firmware, BoardCommand& command) noexcept {
   const std::size_t quadlets = write_quadlets(firmware);
   bool found = false;

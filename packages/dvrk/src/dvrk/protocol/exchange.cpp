@@ -10,8 +10,8 @@ constexpr int kMostStale = 64;  // datagrams that one call discards from the que
 // A timer that ends before the next tick of the system's clock (4 ms apart at 250 Hz) is set in
 // hardware and costs as much as the rest of a read. So a read waits longer than a tick, unless a
 // reply was missed in the last seconds.
-constexpr double kLongerThanTick = 0.005;  // [s]
-constexpr double kWary = 10.0;             // [s]
+constexpr double kLongerThanTick = 0.005;  // [s] first wait for a reply
+constexpr double kWary = 10.0;             // [s] after a missed reply, for which waits are shorter
 
 }  // namespace
 
@@ -54,7 +54,7 @@ bool Exchange::send(const Request& request, const Route& route) noexcept {
   return false;
 }
 
-// Section 17 #7.
+// Discards datagrams that arrived before this request, and reports them: specification 17 #7.
 void Exchange::drain() noexcept {
   for (int k = 0; k < kMostStale; ++k) {
     const Arrival stale = link_.receive({in_.data(), in_.size()}, 0.0);
@@ -71,16 +71,15 @@ bool Exchange::answers_repeated(ByteView datagram) const noexcept {
   return static_cast<int>((load_quadlet(datagram.data) >> 10) & 0x3F) == repeated_;
 }
 
-// Sections 4.3 and 17 #4, #5, #28.
+// Reads generation, bus reset and packet errors from a trailer: specification 4.3 and section 17 #4, #5, #28.
 void Exchange::read_trailer(const Trailer& trailer) noexcept {
   const double now = link_.now();
   const bool errors = packet_errors_ && trailer.packet_errors != packet_errors_;
   packet_errors_ = trailer.packet_errors;
   if (errors || (trailer.flags & (kFlagInternalError | kFlagProtocolError)) != 0)
     log_.note(Condition::kEthernet, now, {}, {}, trailer.flags);
-  // A packet that is not forwarded does not concern the FireWire bus, nor does its answer: the laboratory's
-  // library does not learn a generation from it either. Before another generation is known it is the only
-  // one.
+  // The answer to a packet that is not forwarded does not show the state of the FireWire bus; the dVRK library
+  // ignores its generation as well. It is used only until another generation is known.
   const bool local = (trailer.flags & kFlagNoForward) != 0;
   const bool changed = learnt_ && !local && trailer.generation != told_;
   if (!learnt_) generation_ = told_ = trailer.generation;
@@ -93,7 +92,7 @@ void Exchange::read_trailer(const Trailer& trailer) noexcept {
   if (resetting_) log_.note(Condition::kBusReset, now, {}, {}, trailer.flags);
 }
 
-// Section 4.4; the sizes are those of 4.1 and 4.2.
+// Compares a reply with its request: specification 4.4, with the sizes of 4.1 and 4.2.
 ReadResult Exchange::classify_reply(const Request& request, ByteView datagram, Malformed malformed,
                            const Reply& reply) noexcept {
   const bool block = request.tcode == Tcode::kBlockRead;

@@ -3,7 +3,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Section 9: first words of each kind, four of each.
+// Index of the first word of each kind in a block read; there are four of each kind: specification 9.
 enum Word : std::size_t {
   kAnalogAt = 4,
   kPositionAt = 8,

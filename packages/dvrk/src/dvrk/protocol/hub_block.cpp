@@ -4,7 +4,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr std::uint32_t kTime14 = 0x3FFF;
-constexpr std::uint32_t kTime15 = 0x7FFF;  // Rev 9
+constexpr std::uint32_t kTime15 = 0x7FFF;  // mask of the time in a hub header of Rev 9
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 
 namespace veridyn::dvrk {
 
-/// Data of the broadcast query's quadlet: section 8.3.
+/// Data of the broadcast query's quadlet: specification 8.3.
 constexpr std::uint32_t query_word(std::uint16_t sequence, std::uint16_t boards) {
   return (static_cast<std::uint32_t>(sequence) << 16) | boards;
 }
@@ -15,12 +15,12 @@ constexpr std::uint16_t next_sequence(std::uint16_t sequence) {
   return sequence == 0xFFFF ? std::uint16_t{1} : static_cast<std::uint16_t>(sequence + 1);
 }
 
-/// The quadlet before each board's block in the hub's memory: section 8.3.
+/// The quadlet before each board's block in the hub's memory: specification 8.3.
 struct HubHeader {
   std::uint8_t quadlets = 0;       ///< Quadlets of the block with this header; Rev 8 on
   std::uint16_t sequence = 0;      ///< 16 bits for Rev 7, the low 8 from Rev 8 on
   bool mismatch = false;           ///< Rev 8 on: the board received another sequence number than the hub
-  std::uint16_t update_ticks = 0;  ///< since the query
+  std::uint16_t update_ticks = 0;  ///< ticks from the query to the arrival of the block
 };
 
 std::uint32_t encode_hub_header(const HubHeader& header, int firmware) noexcept;

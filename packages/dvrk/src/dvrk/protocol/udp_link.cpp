@@ -18,7 +18,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kSpun = 60e-6;                   // [s]
+constexpr double kSpun = 60e-6;                   // [s] shorter waits poll the clock instead of sleeping
 
 timespec span(double seconds) {
   const double whole = std::floor(seconds);
@@ -59,7 +59,7 @@ in_addr own_address(std::uint32_t server, std::uint16_t port) {
   return own.sin_addr;
 }
 
-// Host part of an IPv4 address by its class: section 1.
+// Host part of an IPv4 address by its class: specification 1.
 std::uint32_t host_part(std::uint32_t address) {
   const std::uint32_t first = address >> 24;
   return first < 128 ? 0x00FFFFFF : first < 192 ? 0x0000FFFF : first < 224 ? 0x000000FF : ~0U;
@@ -136,7 +136,7 @@ std::uint32_t UdpLink::address_word() const noexcept {
   return __builtin_bswap32(server_);
 }
 
-// Before the hub is known it may be any board; from Rev 9 on its id is part of its address.
+// True if a board may have this address. An unknown hub may be any board; from Rev 9 on its id is in its address.
 bool UdpLink::may_answer(std::uint32_t address) const noexcept {
   if (address == server_ || address == board_) return true;
   return !hub_known_ && address - server_ < static_cast<std::uint32_t>(kMaxBoards);

@@ -85,7 +85,7 @@ UdpPort::~UdpPort() {
   ::close(socket_);
 }
 
-// The system discards what others send to a connected socket.
+// The socket is connected to the accepted sender, so that the system discards datagrams of others.
 bool UdpPort::is_owner(const sockaddr_in& from, double now) noexcept {
   if (!owned_) {
     owner_ = from;

@@ -37,8 +37,8 @@ class PidController final : public MotionController {
 
 constexpr double kSilence = 0.5;        // [s] without a valid read at the end, after which the boards count as lost
 constexpr double kIntegralShare = 0.5;  // share of the largest torque
-constexpr double kLargestError = 0.35;  // [rad]
-constexpr double kLargestErrorSliding = 0.02;  // [m]
+constexpr double kLargestError = 0.35;  // [rad] default tracking error that ends a run
+constexpr double kLargestErrorSliding = 0.02;  // [m] default for a prismatic joint
 
 RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                       Eigen::Index recorded, MotionController& controller,

@@ -14,10 +14,10 @@
 namespace veridyn::dvrk {
 
 struct RunOptions {
-  double rate = 1500.0;          ///< [Hz] of the cycle
+  double rate = 1500.0;          ///< [Hz] rate of the cycle
   double approach_time = 2.0;    ///< [s] shortest duration of the motion to the first set point
   double approach_speed = 0.25;  ///< [rad/s] or [m/s] largest speed of the approach
-  double settle = 0.5;           ///< [s] at rest before and after the motion
+  double settle = 0.5;           ///< [s] duration of the rest before and after the motion
   /// Tracking error at which a joint ends the run: (n) of the arm, each in its own unit; empty:
   /// those of default_largest_errors().
   VectorXd largest_error;

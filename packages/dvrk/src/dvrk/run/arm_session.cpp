@@ -9,7 +9,7 @@ namespace veridyn::dvrk {
 namespace {
 
 // Time between two readings of the pots if no rate is given, short enough for the watchdog.
-constexpr double kPotPeriod = 0.001;  // [s]
+constexpr double kPotPeriod = 0.001;  // [s] time between two readings
 
 Socket socket(const std::vector<int>& boards, int board, int axis) {
   const auto place = std::lower_bound(boards.begin(), boards.end(), board) - boards.begin();

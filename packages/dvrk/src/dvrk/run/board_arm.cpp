@@ -13,7 +13,7 @@ namespace {
 
 using namespace dvrk;
 
-// An arm's wiring and, if known, its coupling and the laboratory's gains.
+// An arm's wiring and, for a known arm, its coupling and the usual PID gains.
 struct Wiring {
   RobotConfig robot;
   MatrixXd coupling;  // empty: identity

@@ -116,7 +116,7 @@ class CycleClock {
     window_began_ = now;
   }
 
-  static constexpr double kWindow = 0.5;  // [s]
+  static constexpr double kWindow = 0.5;  // [s] interval over which the rate is checked
   static constexpr double kLeastPeriods = 20.0;
   static constexpr double kLeastShare = 0.5;
 

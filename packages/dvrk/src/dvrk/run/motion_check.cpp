@@ -37,7 +37,7 @@ MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controll
     const PositionRange range = soft_limits(arm.robot().actuators[i]);
     actuators_.push_back(range);
     const VectorXd row = to_actuator.row(i).transpose();
-    // An actuator that other joints move as well has an unknown position.
+    // The position of an actuator that joints beyond the motion move as well is unknown.
     if (row.head(joints).isZero() || !row.tail(n - joints).isZero()) continue;
     guards_.push_back({text("actuator ", i), "soft limits", row, range, kInfinity});
   }

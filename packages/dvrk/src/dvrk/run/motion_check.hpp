@@ -34,7 +34,7 @@ class MotionCheck {
     const char* whose;   ///< owner of the limits
     VectorXd of_joints;  ///< (n) row: maps joint positions to the guarded position
     PositionRange range;
-    double velocity;  ///< largest
+    double velocity;  ///< [rad/s] or [m/s] largest velocity
   };
   const Guard* violated_guard(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
 

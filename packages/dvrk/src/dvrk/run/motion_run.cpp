@@ -24,8 +24,8 @@ struct Approach {
   }
 };
 
-constexpr double kLooking = 0.1;       // [s] of reading before power-up
-constexpr double kLookingAgain = 0.5;  // [s] of reading again after a stall
+constexpr double kLooking = 0.1;       // [s] duration of reading the boards before power-up
+constexpr double kLookingAgain = 0.5;  // [s] the same after a stall of the machine
 constexpr int kLooks = 6;
 constexpr double kLongestGap = 0.5;    // largest gap between two writes, as a share of the watchdog's time
 constexpr double kMostLate = 0.05;     // largest share of late cycles, the same as for a whole run
@@ -115,7 +115,7 @@ void MotionRun::note_blindness(double now, bool valid) noexcept {
     if (!bus.valid(b)) blindness_ = bus.loss_reason(b);
 }
 
-// A fault that a controller reports after a gap in the reads is a consequence of the gap.
+// The text of a fault that a controller reports after a gap in the reads: the gap is given as the cause.
 std::string MotionRun::blindness_text(double now) const {
   return text(describe(blindness_), " for ", 1e3 * (now - *blind_since_), " ms, then ", controller_.refusal_reason());
 }

@@ -59,11 +59,11 @@ class MotionRun {
   LatchTime latch_;
   JointReference wanted_;
   VectorXd tau_;
-  std::optional<double> before_;  // [s] of the last call for torques
+  std::optional<double> before_;  // [s] time of the last call for torques
   std::optional<double> blind_since_;  // [s] begin of the first cycle in a row without a valid read
-  Condition blindness_ = Condition::kNoReply;  // and why
+  Condition blindness_ = Condition::kNoReply;  // reason of the last invalid read
   std::string why_, busy_;
-  bool looks_ = false;  // before power
+  bool looks_ = false;  // true while the boards are read before power-up
 };
 
 }  // namespace veridyn::dvrk

@@ -6,7 +6,7 @@
 #include "dvrk/run/rows/row_file.hpp"
 #include "dvrk/run/arm_run.hpp"
 
-// End of runs and recordings.
+// Checks and files at the end of runs and recordings.
 
 namespace veridyn::dvrk {
 

@@ -17,7 +17,7 @@ struct ArmJoint {
   std::optional<DhRow> dh;  ///< nullopt: the joint moves no frame (the jaw)
   double lower = 0.0;       ///< [rad] or [m]
   double upper = 0.0;
-  double velocity = 0.0;  ///< largest [rad/s] or [m/s]; 0: unknown
+  double velocity = 0.0;  ///< largest velocity [rad/s] or [m/s]; 0: unknown
 };
 
 /// One motor with its gear, encoder and pot, before calibration.
@@ -26,14 +26,14 @@ struct ArmActuator {
   bool prismatic = false;
   int board = 0;  ///< 0 or 1: first or second of the arm's boards
   int axis = 0;
-  double direction = 1.0;        ///< -1 where mounted reversed
+  double direction = 1.0;        ///< 1, or -1 if the encoder is mounted reversed
   double counts = 0.0;           ///< Encoder counts per turn of the motor
-  double gear = 0.0;             ///< turns per turn; [rad/m] where prismatic
+  double gear = 0.0;  ///< turns of the motor per turn of the actuator; [rad/m] if prismatic
   double torque_constant = 0.0;  ///< Torque constant of the motor [N m/A]
-  double max_current = 0.0;      ///< [A]
+  double max_current = 0.0;      ///< [A] largest current of the motor
   double lower = 0.0;            ///< soft limits [rad] or [m]
   double upper = 0.0;
-  double kp = 0.0;  ///< Proportional gain of the laboratory's PID [N m/rad] or [N/m]
+  double kp = 0.0;  ///< Proportional gain of the dVRK software's PID [N m/rad] or [N/m]
   double kd = 0.0;
   LinearScale pot;  ///< [rad/V, rad] or [m/V, m]
   std::optional<BrakeConfig> brake;

@@ -13,8 +13,8 @@ namespace veridyn::dvrk {
 struct RawActuator {
   EncoderWords encoder;
   std::uint16_t pot = 0;
-  std::uint16_t current = 0;  ///< as measured
-  double seconds = 0.0;       ///< since the previous read, see BoardFeedback::seconds()
+  std::uint16_t current = 0;  ///< measured current in bits of the ADC
+  double seconds = 0.0;       ///< [s] since the previous read, see BoardFeedback::seconds()
 };
 
 /// State of an arm in SI units; n entries each [rad, m], [rad/s, m/s], [N m, N], [A].
@@ -31,7 +31,7 @@ struct BoardArmState {
 struct ArmCommand {
   explicit ArmCommand(int n = 0);
 
-  std::vector<std::uint16_t> bits;  ///< for the converters, one per actuator
+  std::vector<std::uint16_t> bits;  ///< words of the converters, one per actuator
   VectorXd current;                 ///< [A] after clipping
   VectorXd tau;                     ///< joint torques for these currents
   bool clipped = false;             ///< an actuator would have needed more than its largest current

@@ -14,11 +14,11 @@
 
 namespace veridyn::dvrk {
 
-/// Protocol of a cycle: section 8.
+/// Protocol of a cycle, by section of the firmware I/O specification (8.1 to 8.3).
 enum class CycleProtocol {
   kAutomatic,       ///< kBroadcastWrite where the firmware allows it, else kSequential
-  kSequential,      ///< 8.1
-  kBroadcastWrite,  ///< 8.2
+  kSequential,      ///< 8.1: one read and one write for each board
+  kBroadcastWrite,  ///< 8.2: one read for each board, one write for all
   kBroadcast        ///< 8.3: query, one read of all boards, one write
 };
 
@@ -28,21 +28,21 @@ enum class Access {
   /// Only reads: no packet is sent that changes a board, so that another client may drive it. Reads of
   /// real-time blocks, however, restart the boards' timestamps, which affects that client.
   kListen,
-  kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
+  kListenByRegister  ///< reads single registers only, which changes nothing at all but is slow
 };
 
 struct BusOptions {
   std::vector<int> boards;  ///< ids of the boards in use
   Access access = Access::kDrive;
   /// While listening: still sends the two packets of a session's start, which give boards after
-  /// power-up their address (section 5, #1 and #3).
+  /// power-up their address (specification 5, #1 and #3).
   bool announce = false;
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double reply_timeout = 0.020;      ///< [s]; also for all replies of a cycle
   /// [s] after which a read without a reply is repeated within a cycle (Exchange); 0: never. A reply takes
   /// 0.15 ms, so that the rest of the cycle is sufficient for the wait.
   double repeat_after = 0.001;
-  double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
+  double rescan_timeout = 0.005;     ///< [s] limit per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
   /// FireWire connects the boards, although the hub is an FPGA V3 with firmware 9, which otherwise means a
   /// bus of Ethernet alone.
@@ -75,9 +75,9 @@ class BoardBus {
   /// @throws InvalidInput  no boards, too many, an id that occurs twice or is above 15.
   BoardBus(DatagramLink& link, const BusOptions& options);
 
-  /// Session start: section 5. Takes about half a second.
+  /// Starts a session as in section 5, which takes about half a second.
   /// While listening nothing is written, and the protocol is the sequential one, unless a
-  /// broadcast read is asked for: that needs a query, which is a write that changes no output.
+  /// broadcast read is requested: that needs a query, which is a write that changes no output.
   ///
   /// @throws InvalidInput  no hub; a board in use is missing, occurs twice, or is not supported; a broadcast
   /// protocol with mixed firmware, or one that does not fit the MTU.
@@ -93,7 +93,7 @@ class BoardBus {
 
   /// Reads all boards. @returns true if all of them are valid.
   bool read() noexcept;
-  /// While silent, reads send no query, because a query is a write that resets watchdogs (section 14.1).
+  /// While silent, reads send no query, because a query is a write that resets watchdogs (specification 14.1).
   void set_silent(bool silent) noexcept { silent_ = silent; }
   bool valid(int b) const { return boards_[b].valid; }
   const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
@@ -130,7 +130,7 @@ class BoardBus {
   void write() noexcept;
 
   /// Sets zero current and switches amplifiers off, optionally power too, for the boards in use: by
-  /// broadcast, which a change of generation cannot lose (section 6).
+  /// broadcast, which a change of generation cannot lose (specification 6).
   enum class Off { kAmps, kPower };
   void switch_off(Off what) noexcept;
   /// The same for one board through its control register, for boards that ignore blocks.
@@ -143,7 +143,7 @@ class BoardBus {
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Writes and reads back, with two repeats. @returns true if the register has the value.
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
-  /// Serial number "1234-56" of a QLA, from its memory: section 7.6. Empty: it has none.
+  /// Serial number "1234-56" of a QLA, from its memory: specification 7.6. Empty: it has none.
   std::string qla_serial(int b);
   /// Sets and verifies all watchdogs; clears the record of rebooted boards.
   bool set_watchdog(double seconds) noexcept;
@@ -175,7 +175,7 @@ class BoardBus {
 
   /// Result of a bus scan.
   struct Scan {
-    std::array<BoardInfo, kMaxBoards> found{};  ///< by node
+    std::array<BoardInfo, kMaxBoards> found{};  ///< identity of every node
     int node = 0;
   };
 
@@ -233,7 +233,7 @@ class BoardBus {
   int hub_node_ = 0;
   bool ethernet_only_ = false;  ///< boards on one Ethernet, without FireWire between them
   Condition unrest_ = Condition::kGenerationChanged;
-  std::size_t asked_channel_ = 0;  ///< of all boards, one after the other
+  std::size_t asked_channel_ = 0;  ///< next channel of check_written_commands(), counted over all boards
   std::uint16_t sequence_ = 0;
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;

@@ -22,7 +22,7 @@ struct ChannelSafety {
   LinearScale counts_to_position;
   LinearScale pot_to_position;
   double pot_tolerance = 0.0;
-  double pot_latency = 0.010;   ///< [s]
+  double pot_latency = 0.010;   ///< [s] time for which the tolerance may be exceeded
   bool watch_pot_rail = false;  ///< a pot at an end of its converter prevents power-up
   double rest_counts = 0.0;     ///< motion during SessionOptions::stall below which a motor stands still; 0: not checked
 };
@@ -37,25 +37,25 @@ constexpr bool at_rail(double pot_bits) {
 /// and `share` of that command; otherwise power is switched off after this many cycles.
 struct CurrentFollowing {
   int cycles = 10;
-  double margin = 262.0;  ///< 50 mA: section 14.6
+  double margin = 262.0;  ///< 50 mA: specification 14.6
   double share = 0.1;
 };
 
 struct SessionOptions {
   BusOptions bus;
-  /// By index of the board in ascending ids; missing boards have no channel in use.
+  /// Limits by index of the board in ascending ids; missing boards have no channel in use.
   std::vector<std::array<ChannelSafety, kChannels>> channels;
-  double watchdog = 0.030;         ///< [s]; 0 is refused (section 14.1)
-  int lost_reads = 3;              ///< in a row, then power off
-  int lost_writes = 3;             ///< in a row, then amplifiers off
-  int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
+  double watchdog = 0.030;         ///< [s]; 0 is refused (specification 14.1)
+  int lost_reads = 3;              ///< successive lost reads after which power is switched off
+  int lost_writes = 3;             ///< successive lost writes after which amplifiers are switched off
+  int current_cycles = 100;        ///< cycles of a current without an amplifier, then power off (specification 14.6)
   CurrentFollowing follow;
   double stall = 0.25;             ///< [s] near its largest current at a standstill, after which power is switched off
-  double relay_timeout = 0.2;      ///< [s]
-  double supply_timeout = 3.0;     ///< [s]
-  double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the transmission: section 14.2
+  double relay_timeout = 0.2;      ///< [s] limit for the relays to close
+  double supply_timeout = 3.0;     ///< [s] limit for the motor supply to come up
+  double amp_grace = 0.0455;       ///< [s] for an amplifier to come up: 42.5 ms (section 14.2) and 3 ms of transmission
   double off_timeout = 0.5;        ///< [s] within which boards must confirm that they are off
-  double warm = 60.0, hot = 65.0;  ///< [degC]
+  double warm = 60.0, hot = 65.0;  ///< [degC] limits above which a board is reported, and switched off
 };
 
 /// Status of the boards after switching off.
@@ -74,13 +74,13 @@ enum class PowerState {
   kRelay,  ///< the safety relay closes
   kPower,  ///< the motor supply is being switched on
   kAmps,   ///< amplifiers come up with zero current
-  kOn,     ///< commands count
+  kOn,     ///< commands take effect
   kFault   ///< off, until acknowledge()
 };
 
 const char* describe(PowerState state);
 
-/// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in every
+/// A session with boards that drive an arm: power-up and power-down (specification 14.5), checks in every
 /// cycle (14.6, 17), and currents in state kOn only. Any fault ends in kFault, where amplifiers are
 /// commanded off in every cycle; nothing restarts by itself. One cycle is update(), set_command()
 /// for every channel, commit().
@@ -130,7 +130,7 @@ class BoardSession {
   PowerState state() const { return state_; }
   /// The condition that led to kFault; kNoReply before a fault.
   Condition cause() const { return cause_; }
-  /// The same as text, with the board and the channel concerned.
+  /// cause() as text, with the board and the channel concerned.
   std::string cause_text() const;
   BoardBus& bus() { return bus_; }
   const BoardBus& bus() const { return bus_; }
@@ -145,11 +145,11 @@ class BoardSession {
     std::uint16_t held = kZeroCurrent;
     bool asked = false;
     int excess_cycles = 0;
-    std::array<std::uint16_t, 4> sent{};  ///< last commands; older ones matter after lost writes
+    std::array<std::uint16_t, 4> sent{};  ///< last commands; older ones may still be in effect if writes were lost
     std::optional<double> amp_missing_since;
     std::optional<double> pot_off_since;
     double stalled = 0.0;            // [s] near its largest current, minus the time below it
-    std::int32_t stalled_at = 0;     // [counts]
+    std::int32_t stalled_at = 0;     // [counts] position at which the motor last moved
   };
 
   const ChannelSafety& safety(int b, int c) const {

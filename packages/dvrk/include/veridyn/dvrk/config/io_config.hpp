@@ -18,10 +18,10 @@ struct BrakeConfig {
   LinearScale amps_to_bits;
   LinearScale bits_to_amps;
   double max_current = 0.0;       ///< [A]
-  double release_current = 0.0;   ///< [A] to open it
-  double release_time = 0.0;      ///< [s] for which that current flows
-  double released_current = 0.0;  ///< [A] to keep it open
-  double engaged_current = 0.0;   ///< [A]
+  double release_current = 0.0;   ///< [A] current that opens it
+  double release_time = 0.0;      ///< [s] duration of that current
+  double released_current = 0.0;  ///< [A] current that keeps it open
+  double engaged_current = 0.0;   ///< [A] current while the brake holds
 };
 
 /// One motor with its encoder and pot, converted to SI units.
@@ -45,8 +45,8 @@ struct ActuatorConfig {
 /// Largest difference of pot and encoder, and its allowed duration.
 struct PotTolerance {
   int axis = 0;
-  double distance = 0.0;  ///< [rad] or [m]; 0: not checked
-  double latency = 0.0;   ///< [s]
+  double distance = 0.0;  ///< [rad] or [m] largest difference; 0: not checked
+  double latency = 0.0;   ///< [s] time for which it may be exceeded
 };
 
 /// Serial number of the QLA board with an id: "1234-56", as in its memory and on its label.
@@ -78,7 +78,7 @@ struct DigitalInputConfig {
   int bit = 0;                   ///< Bit of the digital word, 0 .. 31
   bool pressed_when_low = true;  ///< "Pressed" = 1: the line is low while pressed
   std::string trigger = "all";   ///< "all", "press", "release" or "none"
-  double debounce = 0.0;         ///< [s]
+  double debounce = 0.0;         ///< [s] time for which an input must keep its level
   double debounce_click = 0.0;   ///< [s]; 20 % of debounce if the file has no value
   bool skip_first_run = false;
 
@@ -92,8 +92,8 @@ struct DigitalOutputConfig {
   std::string name;
   int board = 0;
   int bit = 0;
-  double high_duration = 0.0;  ///< [s]
-  double low_duration = 0.0;   ///< [s]
+  double high_duration = 0.0;  ///< [s] duration of the high level of a pulse
+  double low_duration = 0.0;   ///< [s] duration of the low level of a pulse
   double frequency = 0.0;      ///< [Hz]; 0: no PWM
 };
 

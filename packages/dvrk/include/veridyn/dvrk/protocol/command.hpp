@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 
 enum class AmpRequest : std::uint8_t { kKeep, kOff, kOn };
 
-/// Command of one channel: section 10.3. Value and mode count only if `valid`.
+/// Command of one channel: specification 10.3. Value and mode take effect only if `valid`.
 struct ChannelCommand {
   bool valid = false;
   bool collect = false;
@@ -19,7 +19,7 @@ struct ChannelCommand {
   std::uint16_t value = 0;             ///< DAC bits; kZeroCurrent is zero current
 };
 
-/// One real-time block write: section 10. The default changes nothing and keeps the watchdog alive.
+/// One real-time block write: specification 10. The default changes nothing and keeps the watchdog alive.
 struct BoardCommand {
   std::uint8_t board = 0;
   std::array<ChannelCommand, kChannels> channel;
@@ -37,7 +37,7 @@ std::uint32_t control_word(const BoardCommand& command) noexcept;
 /// differs.
 bool decode_command(QuadletView block, int firmware, BoardCommand& command) noexcept;
 
-/// Finds the block of `board` in the concatenated blocks of several boards (section 10.2) and
+/// Finds the block of `board` in the concatenated blocks of several boards (specification 10.2) and
 /// decodes it. @returns false: there is none, or a header before it is malformed.
 bool find_command(QuadletView blocks, int board, int firmware, BoardCommand& command) noexcept;
 

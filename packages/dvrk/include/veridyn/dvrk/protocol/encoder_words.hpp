@@ -23,15 +23,15 @@ struct EncoderWords {
 /// Motion of one encoder in counts, counts/s, counts/s^2.
 struct EncoderMotion {
   double velocity = 0.0;      ///< mean over the last four edges
-  double acceleration = 0.0;  ///< from two periods that are one edge apart
+  double acceleration = 0.0;  ///< from the velocities of two periods that are one edge apart
   double predicted = 0.0;     ///< velocity extrapolated to the present
 };
 
-/// Value of 1/quarter (in clock ticks) above which the laboratory's host computes no acceleration: for
+/// Value of 1/quarter (in clock ticks) above which the dVRK software computes no acceleration: for
 /// quarters shorter than 2000 ticks, 41 us.
 constexpr double kAccelerationThreshold = 0.0005;
 
-/// Counts, -2^23 .. 2^23 - 1.
+/// Position in counts, -2^23 .. 2^23 - 1.
 std::int32_t encoder_counts(std::uint32_t position) noexcept;
 
 /// True if the counter has overflowed since it was loaded: positions are invalid.

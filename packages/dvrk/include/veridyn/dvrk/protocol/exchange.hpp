@@ -19,7 +19,7 @@ struct Route {
   std::uint8_t node = kBroadcastNode;
   bool local = false;  ///< NOFORWARD: only the receiving board
   Destination to = Destination::kBoard;
-  std::optional<int> board = {};  ///< Ethernet-only: the board with its own address (section 2.3)
+  std::optional<int> board = {};  ///< Ethernet-only: the board with its own address (specification 2.3)
 };
 
 enum class ReadResult {
@@ -109,12 +109,12 @@ class Exchange {
   bool listens_ = false;
   bool queries_ = false;
   double repeat_after_ = 0.0;
-  double wary_until_ = 0.0;  // [s] of the link's clock
+  double wary_until_ = 0.0;  // [s] link's clock, until which requests are repeated sooner
   std::optional<int> repeated_ = {};  ///< label of the last request that was sent twice, which may be answered twice
   std::size_t sent_ = 0;  ///< bytes of the last request in out_
   double lay_ = 0.0;
   ReplyLoss loss_;
-  long requests_ = 0, lost_ = 0;  // since loss_
+  long requests_ = 0, lost_ = 0;  // counts of the present window, see ReplyLoss
   std::optional<int> packet_errors_ = {};
   std::array<std::uint8_t, kDatagramBuffer> out_{};
   std::array<std::uint8_t, kDatagramBuffer> in_{};

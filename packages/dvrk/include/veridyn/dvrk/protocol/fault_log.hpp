@@ -7,7 +7,7 @@
 
 namespace veridyn::dvrk {
 
-/// Conditions that an adapter must detect, with the numbers of section 17.
+/// Conditions that a client must detect, with the numbers of section 17 of the firmware I/O specification.
 enum class Condition : std::uint8_t {
   kNoReply = 1,
   kWrongSize = 2,
@@ -39,10 +39,10 @@ enum class Condition : std::uint8_t {
   kEthernet = 28,
   kNotSent = 29,
   kForeignSender = 30,
-  // Section 17 counts these as 23 as well; see number_in_section_17().
+  // Section 17 lists the following under its number 23 as well; see number_in_section_17().
   kTemperature = 31,
   kPot = 32,
-  // Section 17 does not have these: they count as 1, 7 and 23.
+  // Section 17 does not list the following: they are reported as 1, 7 and 23.
   kLostReplies = 33,
   kOldReplies = 34,
   kStalled = 35
@@ -53,7 +53,7 @@ constexpr int kConditions = 35;
 /// The number under which section 17 lists a condition.
 int number_in_section_17(Condition condition);
 
-/// A few words each: "no reply in time".
+/// A short description: "no reply in time".
 const char* describe(Condition condition);
 
 /// FaultEntry::value as text, in the unit of the condition: "71.5 deg C", "pot 0.02 V", "status
@@ -63,10 +63,10 @@ std::string describe_found(Condition condition, std::uint32_t value);
 /// History of one condition.
 struct FaultEntry {
   long count = 0;
-  double last = 0.0;        ///< [s] of the link's clock
+  double last = 0.0;        ///< [s] time of the last one by the link's clock
   std::optional<int> board = {};    ///< id of the last one; nullopt: the bus
-  std::optional<int> channel = {};  ///< from 0
-  std::uint32_t value = 0;  ///< value that was found
+  std::optional<int> channel = {};  ///< channel from 0; nullopt: the whole board
+  std::uint32_t value = 0;  ///< the last value found, see describe_found()
 };
 
 /// Counts of all conditions. note() does not allocate.

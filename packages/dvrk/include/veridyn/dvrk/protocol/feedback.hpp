@@ -17,7 +17,7 @@ struct ChannelFeedback {
   MotorStatus motor;  ///< Rev 8 on
 };
 
-/// One real-time block read: section 9.
+/// One real-time block read: specification 9.
 struct BoardFeedback {
   std::uint32_t timestamp = 0;  ///< ticks since the previous one, minus 1
   Status status;

@@ -5,17 +5,17 @@
 
 namespace veridyn::dvrk {
 
-// Numbers of the boards' protocol. Sections are those of the firmware I/O specification.
+// Numbers of the boards' protocol. Sections, here and elsewhere, are those of the firmware I/O specification.
 
-// Section 1, 2: datagrams.
+// Datagrams: specification 1 and 2.
 constexpr std::uint16_t kUdpPort = 1394;
 constexpr int kMaxBoards = 16;  ///< ids of the rotary switch
 constexpr int kChannels = 4;    ///< Channels of a QLA
 constexpr std::uint8_t kBroadcastNode = 0x3F;
 constexpr std::uint8_t kNoForward = 0x01;  ///< control flag
-constexpr std::size_t kControlBytes = 2;   ///< in front of a request
+constexpr std::size_t kControlBytes = 2;   ///< number of control bytes in front of a request
 
-// Section 3: packets.
+// Packets: specification 3.
 constexpr std::uint16_t kBusId = 0x3FF;
 constexpr std::uint16_t kHostId = 0xFFD0;
 constexpr std::uint8_t kLabels = 64;
@@ -31,7 +31,7 @@ constexpr std::size_t kMaxDatagram = 2048;
 constexpr std::size_t kMaxBlockBytes = kMaxDatagram - 24;
 constexpr std::size_t kDatagramBuffer = kMaxDatagram + 64;  ///< holds every datagram, and more
 
-// Section 4.3: flags of a trailer.
+// Flags of a trailer: specification 4.3.
 constexpr std::size_t kTrailerBytes = 8;
 constexpr std::uint8_t kFlagBusReset = 0x01;
 constexpr std::uint8_t kFlagDropped = 0x02;
@@ -39,7 +39,7 @@ constexpr std::uint8_t kFlagInternalError = 0x04;
 constexpr std::uint8_t kFlagProtocolError = 0x08;
 constexpr std::uint8_t kFlagNoForward = 0x10;  ///< Rev 9: echo
 
-// Section 7: registers.
+// Registers: specification 7.
 namespace address {
 constexpr std::uint16_t kStatus = 0;
 constexpr std::uint16_t kPhyRequest = 1;
@@ -98,7 +98,7 @@ constexpr bool is_fpga_v3(std::uint32_t ethernet) {
 }
 constexpr std::uint32_t kEthernetErrors = 0x1FC00000;  ///< bits 28 to 22; V2
 
-// Section 7.3: the control word.
+// The control word: specification 7.3.
 namespace control {
 constexpr std::uint32_t kPowerOn = 0x000C0000;
 constexpr std::uint32_t kPowerOff = 0x00080000;
@@ -110,7 +110,7 @@ constexpr std::uint32_t kReboot = 0x00300000;
 constexpr std::uint32_t kRealTimeBits = 0x000FFFFF;  ///< bits with an effect in real-time writes of Rev 7 and 8
 }  // namespace control
 
-// Sections 7.7, 8.3: sizes by firmware, in quadlets, for a QLA.
+// Sizes of a QLA's blocks by firmware, in quadlets: specification 7.7 and 8.3.
 constexpr bool firmware_supported(int firmware) {
   return firmware >= 6 && firmware <= 9;
 }
@@ -123,18 +123,18 @@ constexpr std::size_t write_quadlets(int firmware) {
 constexpr std::size_t hub_quadlets(int firmware) {
   return 1 + read_quadlets(firmware);
 }
-/// Boards whose blocks may share one broadcast: 4-6, 7, 8-9 (sections 5 and 17 #11).
+/// Boards whose blocks may share one broadcast: 4-6, 7, 8-9 (specification 5 and 17 #11).
 constexpr int firmware_group(int firmware) {
   return firmware >= 8 ? 8 : firmware == 7 ? 7 : 6;
 }
 
-/// Section 3.2: the largest block that fits an Ethernet of this MTU, in bytes.
+/// The largest block that fits an Ethernet of this MTU, in bytes: specification 3.2.
 constexpr std::size_t largest_read(std::size_t mtu) {
   const std::size_t whole = mtu - 28 - kTrailerBytes;
   return (whole < kMaxDatagram ? whole : kMaxDatagram) - 24;
 }
 
-// Section 12: a current of zero.
+// DAC word of zero current: specification 12.
 constexpr std::uint16_t kZeroCurrent = 0x8000;
 
 }  // namespace veridyn::dvrk

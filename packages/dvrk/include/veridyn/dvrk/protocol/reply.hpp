@@ -8,7 +8,7 @@
 
 namespace veridyn::dvrk {
 
-/// The last 8 bytes of everything that a board sends: section 4.3.
+/// The last 8 bytes of everything that a board sends: specification 4.3.
 struct Trailer {
   std::uint8_t flags = 0;
   std::uint8_t generation = 0;
@@ -18,7 +18,7 @@ struct Trailer {
   std::uint16_t total_ticks = 0;
 };
 
-/// A packet from a board to the PC: section 4.
+/// A packet from a board to the PC: specification 4.
 struct Reply {
   enum class Kind { kQuadlet, kBlock, kDropped };  ///< kDropped: only the trailer
 

@@ -13,11 +13,11 @@ enum class Malformed {
   kNone,
   kLength,  ///< too short, or a length that contradicts its own fields
   kBus,     ///< destination bus is not 0x3FF
-  kTcode    ///< not part of the protocol
+  kTcode    ///< the transaction code does not belong to the protocol
 };
 
 
-/// A packet from the PC to a board: sections 2 and 3.
+/// A packet from the PC to a board: specification 2 and 3.
 struct Request {
   std::uint8_t flags = 0;       ///< kNoForward or 0
   std::uint8_t generation = 0;  ///< generation of the bus, as known to the host
@@ -39,7 +39,7 @@ std::size_t encoded_size(const Request& request) noexcept;
 /// is larger than kMaxBlockBytes, or the tcode is no request.
 std::size_t encode(const Request& request, ByteSpan out) noexcept;
 
-/// Decodes a datagram, without reading outside of it. Wrong CRCs are reported in the result (section 2.4).
+/// Decodes a datagram, without reading outside of it. Wrong CRCs are reported in the result (specification 2.4).
 Malformed decode(ByteView datagram, Request& request) noexcept;
 
 }  // namespace veridyn::dvrk

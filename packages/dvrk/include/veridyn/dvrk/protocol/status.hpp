@@ -6,7 +6,7 @@
 
 namespace veridyn::dvrk {
 
-/// The status register: section 7.2. Channels count from 0.
+/// The status register: specification 7.2. Channels count from 0.
 struct Status {
   std::uint32_t word = 0;
 
@@ -24,7 +24,7 @@ struct Status {
   bool current_trip(int channel) const { return bit(4 + channel); }
 };
 
-/// The motor status of Rev 8 on: section 9.1.
+/// The motor status of Rev 8 on: specification 9.1.
 struct MotorStatus {
   std::uint32_t word = 0;
 
@@ -36,7 +36,7 @@ struct MotorStatus {
   std::uint16_t command() const { return static_cast<std::uint16_t>(word); }
 };
 
-/// The digital I/O word: section 13. Channels count from 0.
+/// The digital I/O word: specification 13. Channels count from 0.
 struct DigitalInputs {
   std::uint32_t word = 0;
 
@@ -47,12 +47,12 @@ struct DigitalInputs {
   unsigned outputs() const { return ~(word >> 12) & 0xFU; }
 };
 
-/// Value of register 6 for logical outputs: the hardware inverts (section 13).
+/// Value of register 6 for logical outputs: the hardware inverts (specification 13).
 constexpr std::uint32_t digital_output_word(unsigned mask, unsigned values) {
   return ((mask & 0xFU) << 8) | (~values & mask & 0xFU);
 }
 
-/// Temperatures in half degrees: section 7.1; 0xFF is no measurement.
+/// Temperatures in half degrees: specification 7.1; 0xFF is no measurement.
 struct Temperatures {
   std::uint32_t word = 0;
 

@@ -8,7 +8,7 @@
 
 namespace veridyn::dvrk {
 
-/// Boards behind an Ethernet port: sections 1 and 2.3. "Everyone" is the broadcast address for the class of
+/// Boards behind an Ethernet port: specification 1 and 2.3. "Everyone" is the broadcast address for the class of
 /// the server's address; for 127.0.0.1 that is 127.255.255.255. An emulator must listen on all addresses to
 /// receive both.
 class UdpLink final : public DatagramLink {

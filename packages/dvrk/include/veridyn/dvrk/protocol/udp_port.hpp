@@ -26,7 +26,7 @@ class UdpPort {
  public:
   struct Datagram {
     std::size_t size = 0;  ///< bytes, truncated at the buffer's end
-    double lay = 0.0;      ///< [s] between arrival and this call
+    double lay = 0.0;      ///< [s] time between arrival and this call
   };
 
   /// @param place  "[ADDRESS:]PORT"; without an address this machine's own 127.0.0.1.

@@ -30,10 +30,10 @@ struct ArmSessionOptions {
   std::size_t mtu = 1500;
   Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
   bool announce = false;           ///< see BusOptions
-  bool firewire = false;           ///< the same for FireWire
-  double watchdog = 0.030;         ///< [s]
-  double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
-  double repeat_after = BusOptions().repeat_after;  ///< [s] after which a read without a reply is repeated
+  bool firewire = false;           ///< see BusOptions
+  double watchdog = 0.030;         ///< [s] watchdog of the boards
+  double reply_timeout = 0.020;    ///< [s] limit for all replies of a cycle
+  double repeat_after = BusOptions().repeat_after;  ///< [s] time after which a read without a reply is repeated
   CurrentFollowing follow;
   double stall = SessionOptions().stall;  ///< [s], see SessionOptions::stall
   /// A motor that moves by less than this share of its actuator's range during that time stands still. For a
@@ -113,7 +113,7 @@ class ArmSession {
   const BoardSession& boards() const { return boards_; }
   /// Feedback of the board behind an actuator, for tables.
   const BoardFeedback& board_of(int actuator) const;
-  double watchdog() const { return options_.watchdog; }  ///< [s] of the boards
+  double watchdog() const { return options_.watchdog; }  ///< [s] watchdog of the boards
 
  private:
   void require_velocities() const;

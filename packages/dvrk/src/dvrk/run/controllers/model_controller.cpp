@@ -126,7 +126,7 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   cycle_.sensors().correct_positions(wanted_.q);
   wanted_.dq = wanted.dq.head(n);
   wanted_.ddq = wanted.ddq.head(n);
-  cycle_.measure(measured_, times.dt);  // the run itself decides whether the arm follows
+  cycle_.measure(measured_, times.dt);  // without set points: the run checks tracking errors
   switch (options_.law) {
     case ControlLaw::kComputedTorque:
       computed_torque();

@@ -23,10 +23,10 @@ enum class ControlLaw {
 
 struct ModelControlOptions {
   ControlLaw law = ControlLaw::kComputedTorque;
-  double frequency = 20.0;   ///< [rad/s] of both poles of the position error
+  double frequency = 20.0;   ///< [rad/s] magnitude of both poles of the position error
   std::string tip;           ///< frame of the impedance; empty: see default_tip()
   double tip_mass = 2.0;     ///< [kg] apparent mass of the tip
-  double stiffness = 800.0;  ///< [N/m] of the tip; damping is critical
+  double stiffness = 800.0;  ///< [N/m] stiffness of the tip; damping is critical
   /// The user's gains in place of those computed from `frequency`, `tip_mass` and `stiffness`.
   std::optional<JointGains> joint_gains;
   std::optional<ImpedanceGains> tip_gains;
@@ -62,7 +62,7 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
-  void sent(const VectorXd& tau) noexcept override;  ///< in the scale of the drives
+  void sent(const VectorXd& tau) noexcept override;  ///< tau in the scale of the drives
   std::string refusal_reason() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
@@ -88,8 +88,8 @@ class ModelController final : public MotionController {
   Impedance impedance_;
   GravityCompensation gravity_;
   JointPid rest_;
-  Measured measured_;      // of the model's joints
-  JointReference wanted_;  // likewise
+  Measured measured_;      // measurements of the model's joints
+  JointReference wanted_;  // reference of the model's joints
   TaskReference task_;
   VectorXd off_, sent_;
   bool moves_ = false;  // during the motion, not during the approach

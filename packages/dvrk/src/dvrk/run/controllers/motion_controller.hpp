@@ -12,15 +12,15 @@ namespace veridyn::dvrk {
 
 /// Times of a cycle [s].
 struct CycleTimes {
-  double dt = 0.0;   ///< since the previous cycle with torques
+  double dt = 0.0;   ///< [s] since the previous cycle with torques
   double age = 0.0;  ///< Largest age of the positions, since the request to the boards
   double age_range = 0.0;  ///< range of the age, since replies came earlier
 };
 
 /// Limits of a controller's joints; (m) of its first joints, empty: none.
 struct MotionLimits {
-  VectorXd lower, upper;  ///< [rad], [m]
-  VectorXd velocity;      ///< [rad/s], [m/s]
+  VectorXd lower, upper;  ///< [rad], [m] position limits
+  VectorXd velocity;      ///< [rad/s], [m/s] velocity limits
   std::vector<std::string> names;
   double braking = 30.0;  ///< [1/s], see leaves_range()
 };
