@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <random>
 
@@ -103,6 +105,104 @@ TEST(DiagnosisAtRest, CannotTellAboutAJointWithoutAHeldOutError) {
   const Diagnosis without_torque = diagnose(read_model("psm-3dof"), train, {test});
   EXPECT_EQ(without_torque.verdict(), "no cause was found; joints without a held-out error: 3") << without_torque.report();
   EXPECT_NE(without_torque.report().find("its torque is zero throughout"), std::string::npos) << without_torque.report();
+}
+
+
+// A change of the arm or of its sensors since the MODEL was identified from poses of the sound arm.
+struct ChangedArm {
+  Model arm;
+  VectorXd shown = VectorXd::Zero(6);   // [rad] error of every encoder
+  VectorXd scaled = VectorXd::Ones(6);  // factor of every recorded torque
+};
+
+Recording poses_of(const ChangedArm& truth, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> share(-1.2, 1.2);
+  std::normal_distribution<double> error(0.0, 0.1);
+  RigidBodyDynamics bodies(truth.arm, *truth.arm.inertial_values());
+  Recording out;
+  out.source = "poses" + std::to_string(seed);
+  out.poses = true;
+  out.time = VectorXd::LinSpaced(60, 0.0, 59.0);
+  out.q = out.tau = out.dq = MatrixXd::Zero(60, 6);
+  VectorXd q(6), g(6);
+  for (int k = 0; k < 60; ++k) {
+    for (double& one : q) one = share(random);
+    bodies.gravity_torques(q, g);
+    for (int i = 0; i < 6; ++i) {
+      out.dq(k, i) = random() % 2 == 0 ? 1.0 : -1.0;
+      out.tau(k, i) = truth.scaled[i] * (g[i] + out.dq(k, i) + error(random));
+    }
+    out.q.row(k) = (q + truth.shown).transpose();
+  }
+  return out;
+}
+
+class PosesOfAChangedArm : public testing::Test {
+ protected:
+  PosesOfAChangedArm() : sound_{plausible_model(read_model("ur10e"), 3).arm} {}
+
+  // @param first  seed of the first of five recordings.
+  Diagnosis diagnosis_of(const ChangedArm& changed, unsigned first = 1) const {
+    const Identification model = identify(read_model("ur10e"), {poses_of(sound_, first), poses_of(sound_, first + 1)});
+    return diagnose(*model.model, {poses_of(changed, first + 2), poses_of(changed, first + 3)}, {poses_of(changed, first + 4)});
+  }
+
+  // The only finding.
+  static Finding only_one(const Diagnosis& d, const std::string& effect) {
+    EXPECT_EQ(d.summary.main, 1) << d.report();
+    if (d.findings.empty()) return {};
+    EXPECT_EQ(effect_of(d.findings[0].cause), effect) << d.report();
+    return d.findings[0];
+  }
+
+  ChangedArm sound_;
+};
+
+TEST_F(PosesOfAChangedArm, AtMostOneOfEightUnchangedArmsHasAFinding) {
+  int found = 0;
+  for (unsigned first = 1; first <= 71; first += 10) found += diagnosis_of(sound_, first).findings.empty() ? 0 : 1;
+  EXPECT_LE(found, 1);
+}
+
+TEST_F(PosesOfAChangedArm, ALoadIsFoundWithItsMass) {
+  ModelDescription loaded = sound_.arm.description();
+  Frame frame;
+  frame.name = "weight";
+  frame.parent = FrameIndex{static_cast<int>(loaded.frames.size()) - 1};
+  frame.variable.coefficients = VectorXd::Zero(6);
+  frame.body = Body{};
+  frame.body->phi = InertialParameters::Zero();
+  (*frame.body->phi)[0] = 1.0;
+  loaded.frames.push_back(frame);
+  const Finding load = only_one(diagnosis_of({Model(loaded)}), AddedLoad::kName);
+  ASSERT_FALSE(load.parameters.empty());
+  EXPECT_NEAR(load.parameters[0].value, 1.0, 0.03);
+}
+
+TEST_F(PosesOfAChangedArm, ALeaningBaseIsFoundWithItsAngle) {
+  ModelDescription leaning = sound_.arm.description();
+  leaning.gravity = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()) * leaning.gravity;
+  const Finding lean = only_one(diagnosis_of({Model(leaning)}), "gravity_tilt");
+  ASSERT_FALSE(lean.parameters.empty());
+  EXPECT_NEAR(std::abs(lean.parameters[0].value), 0.05, 0.002);
+}
+
+TEST_F(PosesOfAChangedArm, AWrongEncoderZeroIsFoundOnItsJoint) {
+  ChangedArm changed = sound_;
+  changed.shown[1] = 0.06;
+  const Finding zero = only_one(diagnosis_of(changed), "encoder_offset");
+  ASSERT_TRUE(zero.joint.has_value());
+  EXPECT_EQ(zero.joint->value, 1);
+  EXPECT_NEAR(zero.parameters[0].value, 0.06, 0.002);
+}
+
+TEST_F(PosesOfAChangedArm, AWrongTorqueScaleIsFoundOnItsJoint) {
+  ChangedArm changed = sound_;
+  changed.scaled[1] = 1.2;
+  const Finding gain = only_one(diagnosis_of(changed), "torque_gain");
+  ASSERT_TRUE(gain.joint.has_value());
+  EXPECT_EQ(gain.joint->value, 1);
 }
 
 }  // namespace
