@@ -443,7 +443,7 @@ PayloadReport payload_report(const Question& q, const std::string& robot, const 
   const Asked asked = arm_with_unknown_loads(q.model, places);
   const VectorXd none = VectorXd::Zero(q.model.joints());
   if (are_poses(options.preprocessing, recordings)) {
-    fit_loads(q, asked, places, compress_poses(asked.arm, recordings, options.preprocessing), 1.0, q.band, share_of_band(q.band, start, out.error_before), out);
+    fit_loads(q, asked, places, compress_all(asked.arm, recordings, options.preprocessing, options.threads), 1.0, q.band, share_of_band(q.band, start, out.error_before), out);
     return out;
   }
   std::vector<CompressedRecording> factors = compress_all(asked.arm, recordings, options.preprocessing, options.threads);

@@ -62,8 +62,6 @@ struct IdentificationNumbers {
   /// are a reversal.
   double still_turning = 5e-3, still_sliding = 1e-3;
   int fewest_rows = 5;
-  /// blocks of poses <= rest_blocks: the clusters of the standard deviations.
-  int rest_blocks = 8;
   /// singular value <= rest_rank * the largest: poses that hardly differ determine nothing.
   double rest_rank = 1e-6;
 

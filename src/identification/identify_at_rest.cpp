@@ -112,23 +112,17 @@ bool is_approached(const PreprocessingOptions& how, const std::vector<std::strin
   return std::any_of(poses.begin(), poses.end(), [&how](const std::string& name) { return !find_in_memory(how.in_memory, name)->dq.isZero(0.0); });
 }
 
-std::vector<CompressedRecording> compress_poses(const Model& arm, const std::vector<std::string>& poses, const PreprocessingOptions& how) {
-  std::vector<CompressedRecording> out = compress_all(arm, poses, how, 1);
-  for (CompressedRecording& one : out) merge_blocks(one, identifying::numbers.rest_blocks);
-  return out;
-}
-
 Identification identify_at_rest(const Model& file, const std::vector<std::string>& train,
                                 const std::vector<std::string>& test, const IdentificationOptions& options) {
   require(options.method != Method::kIv && options.method != Method::kDidim,
           "identify: found a method with instruments, which are motions, with poses at rest, expected another one.");
   const bool approached = is_approached(options.preprocessing, train);
   const Model resting = resting_arm(file, approached);
-  const Model arm = without_idle_effects(resting, compress_poses(resting, train, options.preprocessing));
+  const Model arm = without_idle_effects(resting, compress_all(resting, train, options.preprocessing, options.threads));
   IdentificationOptions how = options;
   if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : with_ball_priors(arm);
   Identification id = empty_identification(arm, options);
-  id.factors = compress_poses(arm, train, options.preprocessing);
+  id.factors = compress_all(arm, train, options.preprocessing, options.threads);
   for (const CompressedRecording& r : id.factors) id.rows += r.rows;
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   std::vector<SquareRootInformation> joints = joint_totals(id.factors);

@@ -72,9 +72,6 @@ void require_factors_of(const Model& arm, const FactorSet& factors,
 /// @param poses  names of recordings of poses in memory.
 bool is_approached(const PreprocessingOptions& how, const std::vector<std::string>& poses);
 
-/// compress_all() of poses, as few blocks.
-std::vector<CompressedRecording> compress_poses(const Model& arm, const std::vector<std::string>& poses, const PreprocessingOptions& how);
-
 /// identify() from poses in memory.
 Identification identify_at_rest(const Model& file, const std::vector<std::string>& train,
                                 const std::vector<std::string>& test, const IdentificationOptions& options);
