@@ -7,6 +7,7 @@
 #include "identification/base_solution.hpp"
 #include "identification/identification_numbers.hpp"
 #include "identification/many_recordings.hpp"
+#include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
@@ -107,6 +108,8 @@ void report_friction_bands(const Model& arm, bool approached, Identification& id
 }
 
 }  // namespace
+
+static_assert(kApproachSpeed >= kRestSpeed, "friction has its full level at the speed of an approach");
 
 bool is_approached(const PreprocessingOptions& how, const std::vector<std::string>& poses) {
   return std::any_of(poses.begin(), poses.end(), [&how](const std::string& name) { return !find_in_memory(how.in_memory, name)->dq.isZero(0.0); });

@@ -9,6 +9,9 @@
 
 namespace veridyn {
 
+/// [rad/s], [m/s] velocity that stands for the direction from which a joint came to rest: dry friction has its full level.
+constexpr double kApproachSpeed = 1e-4;
+
 /// True if all of these recordings are poses at rest.
 /// @throws InvalidInput  some are and some are not.
 bool are_poses(const PreprocessingOptions& how, const std::vector<std::string>& names);

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "recordings/kept_recordings.hpp"
+#include "recordings/named_recordings.hpp"
 #include "recordings/same_recording.hpp"
 #include "recordings/signals/units.hpp"
 #include "recordings/uniform_stream.hpp"
-#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/zero_phase_filter.hpp"
 
@@ -197,7 +197,7 @@ PreparationFacts for_each_pose(const Model& arm, const Recording& poses, const s
     poses.tau.size() > 0 ? sensors.correct_torques(tau) : sensors.correct_currents(tau);
     s.time = VectorXd::Constant(1, poses.time[k]);
     s.q = q.transpose();
-    s.dq = kRestSpeed * poses.dq.row(k);
+    s.dq = kApproachSpeed * poses.dq.row(k);
     s.tau = tau.transpose();
     visit(s);
   }

@@ -186,7 +186,7 @@ bool CurrentSet::linearise(size_t k) {
     const Fitted& fit = now->fit();
     const auto [first, count] = range(k);
     const VectorXd z = fit.x.segment(first, count);
-    const MatrixXd covariance = now->covariance(now->whole(), fit).block(first, first, count, count);
+    const MatrixXd covariance = now->covariance(now->whole(), fit, MatrixXd::Identity(fit.x.size(), fit.x.size()).middleRows(first, count));
     bool small = true;
     for (Eigen::Index c = 0; c < count; ++c) small = small && std::abs(z[c]) < kConvergedStep * std::sqrt(std::max(covariance(c, c), numerics::kTiny));
     if (small) return true;

@@ -10,6 +10,7 @@
 
 #include "diagnosis/search/numbers.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn::search {
 namespace {
@@ -30,7 +31,7 @@ class Outcome {
     const Round now = current_.round();
     const Subset& s = now.whole();
     const Fitted& full = now.fit();
-    const MatrixXd covariance = now.covariance(s, full);
+    const MatrixXd covariance = now.covariance(s, full, values_by_coefficients(full.x.size()));
     const std::vector<TermProducts> names = exchanges_.dictionary(now, [](const Term& t) { return t.kind != TermKind::kCurve; });
     const auto relative = [&](const Fitted& f) {
       VectorXd e(current_.rows().joints());
@@ -93,6 +94,22 @@ class Outcome {
   }
 
  private:
+  // Combinations of all coefficients that are the values of the terms. A level that differs from day to day may also move
+  // with the MODEL's own parameters: its change is the sum of both.
+  MatrixXd values_by_coefficients(Eigen::Index count) const {
+    MatrixXd out = MatrixXd::Identity(count, count);
+    const std::vector<StandardParameter> parameters = standard_parameters(current_.rows().arm());
+    const MatrixXd& T = current_.base().T;
+    for (size_t k = 0; k < current_.terms.size(); ++k) {
+      const Term& t = current_.terms[k].term;
+      for (size_t p = 0; t.is_daily && p < parameters.size(); ++p) {
+        if (parameters[p].effect && static_cast<size_t>(*parameters[p].effect) == t.candidate.own->value)
+          out.row(current_.range(k).first + parameters[p].component).head(T.cols()) = T.row(static_cast<Eigen::Index>(p));
+      }
+    }
+    return out;
+  }
+
   // Number of compared causes; each place counts once.
   int compared_causes() const {
     std::set<std::string> places;

@@ -509,7 +509,7 @@ Gain Round::gain(const Fitted& with, const Fitted& without) const {
   return out;
 }
 
-MatrixXd Round::covariance(const Subset& s, const Fitted& fit) const {
+MatrixXd Round::covariance(const Subset& s, const Fitted& fit, const MatrixXd& M) const {
   const auto p = static_cast<Eigen::Index>(s.columns.size());
   MatrixXd scores = MatrixXd::Zero(ridge_.size(), folds_.blocks);
   for (size_t i = 0; i < X_.size(); ++i) {
@@ -520,13 +520,11 @@ MatrixXd Round::covariance(const Subset& s, const Fitted& fit) const {
     scores(acting_[i], Eigen::all) += own;
   }
   // The scatter over blocks is added to the white information, which bounds the covariance from below.
-  const MatrixXd half = s.all->solve(MatrixXd(scores(s.columns, Eigen::all)));
+  const MatrixXd half = M * s.all->solve(MatrixXd(scores(s.columns, Eigen::all)));
   const double few = folds_.blocks / std::max(1.0, folds_.blocks - 1.0);
   MatrixXd out = few * half * half.transpose();
-  const MatrixXd white = s.all->solve(MatrixXd::Identity(p, p));
-  for (Eigen::Index k = 0; k < p; ++k) {
-    if (out(k, k) < white(k, k)) out(k, k) = white(k, k);
-  }
+  const VectorXd white = (M * s.all->solve(MatrixXd::Identity(p, p))).cwiseProduct(M).rowwise().sum();
+  out.diagonal() = out.diagonal().cwiseMax(white);
   return out;
 }
 

@@ -90,7 +90,8 @@ class Round {
   Gain gain(const Fitted& with, const Fitted& without) const;
 
   /// Covariance of the values of a fit, from the scatter of its blocks.
-  MatrixXd covariance(const Subset& s, const Fitted& fit) const;
+  /// @param M  combinations of the coefficients, one a row.
+  MatrixXd covariance(const Subset& s, const Fitted& fit, const MatrixXd& M) const;
 
  private:
   struct Bordered;

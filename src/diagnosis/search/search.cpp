@@ -89,7 +89,7 @@ class Search {
     // cost, even if the error stays the same.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
     const bool matters = (g.share >= kSmallestDecrease && helps_its_joint) || (moves_as_model && g.prior > t.price + 0.5 * kStandardErrorsWithoutTest * kStandardErrorsWithoutTest);
-    const double odds = current_.is_repeated() ? 0.0 : kLnPosteriorOdds;
+    const double odds = current_.is_repeated() || t.is_daily ? 0.0 : kLnPosteriorOdds;
     return g.sum > t.price + odds && g.sum > g.limit && matters;
   }
 
@@ -388,7 +388,7 @@ class Search {
     while (!current_.terms.empty()) {
       const Round now = current_.round();
       const Fitted& fit = now.fit();
-      const VectorXd deviations = now.covariance(now.whole(), fit).diagonal().cwiseSqrt();
+      const VectorXd deviations = now.covariance(now.whole(), fit, MatrixXd::Identity(fit.x.size(), fit.x.size())).diagonal().cwiseSqrt();
       std::optional<size_t> gone;
       double least = 0.0;
       bool is_refuted = false;

@@ -73,6 +73,10 @@ class Builder {
     std::map<std::string, double> grid;
     for (const Term& t : out_) grid[t.place] += 1.0;
     for (Term& t : out_) {
+      if (t.is_daily) {
+        t.price = 0.0;
+        continue;
+      }
       t.price += std::log(sum) + std::log(grid[t.place]);
       for (const TermShape& s : t.shapes) t.price += s.fixed ? 0.0 : kPolished;
     }
@@ -136,6 +140,7 @@ class Builder {
     }
     if (is_changed_effect(c)) {
       t.kind = TermKind::kChange;
+      t.is_daily = effect.traits().elementary;
       t.effect = arm_.effects()[c.own->value];
     }
     for (size_t p = 0; p < parameters.size(); ++p) {

@@ -57,6 +57,7 @@ struct Term {
   std::vector<Signal> signals;
   std::vector<SmoothBasis> bases;
   double price = 0.0;        ///< ln 1/prior, with the prices of its grid and of its polished constants
+  bool is_daily = false;     ///< a change of a level that differs from day to day: the MODEL's prior is its price
   bool with_rest = false;    ///< the term has one more parameter, the position at which a spring has no torque
   bool imitates = false;     ///< the term can imitate many other causes, see Effect::imitates_others()
   std::vector<Level> nonnegative;  ///< parameters that cannot be negative
