@@ -135,6 +135,8 @@ struct QualityNumbers {
   /// load > near_largest * the largest, for shortest_plateau rows and more: a plateau ...
   double near_largest = 0.92;
   int shortest_plateau = 8;
+  /// ... of whose scatter a parabola explains <= curved (0.32 and 0.61 at the limits of a PSM, 0.98 and more on tops of waves) ...
+  double curved = 0.9;
   /// ... and speed changes by > speed_change of the largest meanwhile, unlike on plateaus of friction, over
   /// a length / plateau_parts at either end.
   double speed_change = 0.25;
