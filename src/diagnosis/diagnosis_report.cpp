@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
@@ -211,9 +213,10 @@ bool Diagnosis::has_answer() const {
 
 std::string mistakes_text(const Diagnosis& d) {
   std::string wrong;
+  std::set<std::pair<std::string, int>> once;  // recordings with the same mistake differ in its numbers
   for (const RecordingQuality& q : d.data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (is_contradiction(f) && wrong.find(f.sentence) == std::string::npos) wrong += f.sentence + " ";
+      if (is_contradiction(f) && once.insert({f.finding, f.joint}).second) wrong += f.sentence + " ";
     }
   }
   return wrong.empty() ? wrong : wrong + (d.mended ? "With that: " : "As recorded: ");

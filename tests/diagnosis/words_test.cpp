@@ -189,6 +189,8 @@ TEST(DiagnosisReport, BeginsWithAWrongClockAndWithACopiedColumn) {
     fault.severity = Severity::kFault;
     d.data_quality = {RecordingQuality{}};
     d.data_quality[0].findings = {fault};
+    d.data_quality.push_back(d.data_quality[0]);
+    d.data_quality[1].findings[0].sentence = "the same with another number.";
     EXPECT_EQ(d.verdict().find("a fault. As recorded: ") == 0, std::string(name) != "sample_rate") << d.verdict();
   }
 }
