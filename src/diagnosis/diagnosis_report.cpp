@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
+#include "identification/differing_recordings.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"
 #include "veridyn/identification/robot_check.hpp"
@@ -104,7 +107,7 @@ std::string small_finding_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
-// "3 small ones, 0.1 to 0.4 points each: --all-findings lists them". Points are the largest decrease of a
+// "3 more, 0.1 to 0.4 points each: --all-findings lists them". Points are the largest decrease of a
 // joint's held-out error.
 std::string small_findings_line(const Diagnosis& d, size_t count) {
   double least = numerics::kHuge, most = 0.0;
@@ -114,8 +117,8 @@ std::string small_findings_line(const Diagnosis& d, size_t count) {
     least = std::min(least, points);
     most = std::max(most, points);
   }
-  return fmt::format("{} small {}{}: --all-findings lists {}\n", count, count == 1 ? "one" : "ones",
-                     most > 0.0 ? fmt::format(", {:.1f} to {:.1f} points of a joint's error each", std::min(least, most), most) : "",
+  return fmt::format("{} more{}: --all-findings lists {}\n", count,
+                     most > 0.0 ? fmt::format(", {:.1f} to {:.1f} points of a joint's error{}", std::min(least, most), most, count == 1 ? "" : " each") : "",
                      count == 1 ? "it" : "them");
 }
 
@@ -210,9 +213,10 @@ bool Diagnosis::has_answer() const {
 
 std::string mistakes_text(const Diagnosis& d) {
   std::string wrong;
+  std::set<std::pair<std::string, int>> once;  // recordings with the same mistake differ in its numbers
   for (const RecordingQuality& q : d.data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (is_contradiction(f) && wrong.find(f.sentence) == std::string::npos) wrong += f.sentence + " ";
+      if (is_contradiction(f) && once.insert({f.finding, f.joint}).second) wrong += f.sentence + " ";
     }
   }
   return wrong.empty() ? wrong : wrong + (d.mended ? "With that: " : "As recorded: ");
@@ -236,12 +240,14 @@ std::string Diagnosis::verdict() const {
       list += (list.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
       if (is_cut(v.joint)) cut += (cut.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
     }
-    const std::string nothing = changes ? "nothing has changed" : wrong.empty() ? "none" : "no further cause";
-    if (left.empty() && unknown.empty() && still.empty()) return wrong + nothing;
+    const std::string apart = changes ? recordings_apart(baseline) : "";
+    const std::string nothing = !apart.empty() ? "nothing has changed in the held-out recordings" : changes ? "nothing has changed" : wrong.empty() ? "none" : "no further cause";
+    const std::string but = apart.empty() ? "" : ", but " + apart;
+    if (left.empty() && unknown.empty() && still.empty()) return wrong + nothing + but;
     return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
            (cut.empty() ? "" : "; joints whose recorded torque stands at a limit: " + cut + ", record motions that need less") +
            (still.empty() ? "" : "; joints that hardly move in the held-out recordings: " + still + ", test on a motion") +
-           (unknown.empty() ? "" : "; joints without a held-out error: " + unknown);
+           (unknown.empty() ? "" : "; joints without a held-out error: " + unknown) + but;
   }
   std::string out = wrong + sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
@@ -302,7 +308,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   if (small > 0 && small_apart) {
     out += small_findings_line(*this, small);
   } else if (small > 0) {
-    out += "small ones";
+    out += "more";
     if (errors_jump(*this))
       out += ", which came between those above: the error before one of these is then not that after the last";
     out += ":\n";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "identification/base_solution.hpp"
+#include "identification/check/check_thresholds.hpp"
 #include "identification/estimation/least_squares.hpp"
 #include "identification/identification_numbers.hpp"
 
@@ -137,6 +138,35 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
                      "(--model-out M.yaml): `veridyn diagnose M.yaml --train {} --test REC` says what changed",
                      names, pair ? "" : odd.size() == 1 ? "s from the other training recordings" : " from the other training recordings", 100.0 * worst.common,
                      arm.coordinates()[worst.joint].name, source, 100.0 * worst.own, source);
+}
+
+std::string recordings_apart(const Identification& evaluated) {
+  std::vector<const RecordingError*> all;
+  for (const auto* list : {&evaluated.train, &evaluated.test}) {
+    for (const RecordingError& r : *list) all.push_back(&r);
+  }
+  std::string names;
+  const RecordingError *worst = nullptr, *best = nullptr;
+  Eigen::Index joint = 0;
+  double most = checking::kOutstanding;
+  for (const RecordingError* r : all) {
+    bool apart = false;
+    for (Eigen::Index i = 0; i < r->error.relative.size(); ++i) {
+      const double floor = evaluated.noise_floor.size() > i ? evaluated.noise_floor[i] : 0.0;
+      const double limit = std::max(identifying::numbers.below_any_sensor, identifying::numbers.far_above_floor * floor);
+      const RecordingError* least = *std::min_element(all.begin(), all.end(), [i](const auto* a, const auto* b) { return a->error.relative[i] < b->error.relative[i]; });
+      const double times = r->error.relative[i] / limit;
+      if (!(times > checking::kOutstanding) || least->error.relative[i] > limit) continue;
+      apart = true;
+      if (times > most) most = times, worst = r, best = least, joint = i;
+    }
+    if (apart) names += (names.empty() ? "" : ", ") + r->source;
+  }
+  if (worst == nullptr) return "";
+  return fmt::format("{} differ{} from the other recordings: the model leaves {:.2g} % of the torque of {} in {}, {:.2g} % in {}. Another load, friction, offset or arm? "
+                     "`veridyn diagnose MODEL --train {} --test REC` says what changed",
+                     names, names == worst->source ? "s" : "", 100.0 * worst->error.relative[joint], evaluated.model->coordinates()[static_cast<size_t>(joint)].name, worst->source,
+                     100.0 * best->error.relative[joint], best->source, worst->source);
 }
 
 }  // namespace veridyn

@@ -12,4 +12,9 @@ namespace veridyn {
 /// @param id  with factors and errors of the training recordings.
 std::string differing_recordings(const Model& arm, const Identification& id);
 
+/// A sentence on recordings, of training or held out, in which a model leaves far more than its noise floor on a joint that it
+/// explains in another one; or empty.
+/// @param evaluated  errors of a given model, of which nothing was fitted.
+std::string recordings_apart(const Identification& evaluated);
+
 }  // namespace veridyn

@@ -49,6 +49,26 @@ TEST_F(TwoJointArm, ATorqueWithTheWrongSignIsAFault) {
   }
 }
 
+// Torques without friction, as a controller computes them, of which a delay makes a hundredth of negative friction.
+TEST_F(TwoJointArm, ALittleNegativeFrictionIsNoWrongSign) {
+  truth_ = without_effects(truth_);
+  for (const double share : {0.01, 0.3}) {
+    DiagnosisState x = investigation(read_model("planar-2r"), {});
+    for (const auto* list : {&x.train, &x.test}) {
+      for (const std::string& path : *list) {
+        Recording r = read_recording(path);
+        r.tau.col(1) -= share * r.tau.col(1).norm() / r.dq.col(1).norm() * r.dq.col(1);
+        write_recording(r, path);
+      }
+    }
+    x.d.baseline = {};
+    check_quality(x);
+    ASSERT_TRUE(fit_baseline(x));
+    check_torque_signs(x);
+    EXPECT_EQ(quality(x.d, "torque_sign") != nullptr, share > 0.1) << share;
+  }
+}
+
 // Contradictions between signals and robot file come first in the verdict, and the diagnosis goes on without them: the
 // recordings that are right stay.
 TEST_F(TwoJointArm, ExchangedTorquesAreNamedFirstAndExchangedBack) {

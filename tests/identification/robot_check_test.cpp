@@ -8,6 +8,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "identification/check/answers.hpp"
+#include "identification/check/questions.hpp"
+#include "identification/check/quick_fit.hpp"
 #include "identification/synthetic_recording.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/files/model_file.hpp"
@@ -655,6 +658,56 @@ TEST_F(AMistakenRecording, OfJointsThatMoveAsOneHasThisFindingAlone) {
   r.tau.col(2) *= -1.0;
   EXPECT_EQ(findings(r), Names{"not_compared:2"}) << sentences_;
   EXPECT_NE(sentences_.find("joints 2 and 4 move as one"), std::string::npos) << sentences_;
+}
+
+// Positions and velocities of one unit are both in degrees, or neither.
+TEST(AUnit, OfVelocitiesFollowsFromTheTravelOfThePositions) {
+  const Model arm = read_model("elbow-6r");
+  MotionShape shape;
+  shape.duration = 10.0;
+  const Recording radians = synthetic_recording(plausible_model(arm, 3).arm, shape);
+  const auto units = [&](double of_q, double of_dq) {
+    Recording r = radians;
+    r.q *= of_q;
+    r.dq *= of_dq;
+    QuickFit fit;
+    fit.shares = VectorXd::Zero(6);
+    Names out;
+    for (const RecordingQuestion& q : questions_of(arm, r, std::vector<bool>(6, true), fit)) {
+      if (q.finding == "degrees" && q.joint == 0) out.push_back(q.units);
+    }
+    return out;
+  };
+  const double degrees = 180.0 / M_PI;
+  EXPECT_EQ(units(1.0, 1.0), (Names{"q=deg,dq=deg/s"}));
+  EXPECT_EQ(units(1.0, degrees), (Names{"q=deg,dq=deg/s", "dq=deg/s"}));
+  EXPECT_EQ(units(degrees, 1.0), (Names{"q=deg,dq=deg/s", "q=deg"}));
+}
+
+// Each recording alone fits factors of its own, which would make one arm look like two.
+TEST(AUnit, OfTorquesIsTheSameInAllRecordingsOfACommand) {
+  const Model arm = read_model("elbow-6r"), plausible = plausible_model(arm, 41).arm;
+  const VectorXd gains = (VectorXd(6) << 9.0, 10.0, 8.5, 3.0, 2.0, 2.5).finished();
+  PreprocessingOptions options;
+  MatrixXd rms(6, 2), mended = rms;
+  for (const int k : {0, 1}) {
+    MotionShape shape;
+    shape.duration = 20.0;
+    shape.rate = 100.0;
+    shape.seed = static_cast<unsigned>(k + 41);
+    auto r = std::make_shared<Recording>(synthetic_recording(plausible, shape));
+    r->tau += noise_like(r->tau, 0.03, shape.seed);
+    r->tau *= gains.cwiseInverse().asDiagonal();
+    rms.col(k) = r->tau.colwise().norm();
+    options.in_memory[k == 0 ? "one" : "two"] = r;
+  }
+  Identification fit;
+  fit.train_error.relative = VectorXd::Ones(6);
+  const MendedSetUp set_up = mended_set_up(arm, {"one", "two"}, {}, options, fit);
+  ASSERT_EQ(set_up.recordings.size(), 2U);
+  mended << set_up.recordings.at("one")->tau.colwise().norm().transpose(), set_up.recordings.at("two")->tau.colwise().norm().transpose();
+  const Eigen::ArrayXXd factors = mended.array() / rms.array();
+  EXPECT_LT((factors.col(0) / factors.col(1) - 1.0).abs().maxCoeff(), 1e-9) << factors;
 }
 
 // Columns that hold no torques explain by themselves that the arm does not fit.

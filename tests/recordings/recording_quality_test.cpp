@@ -233,6 +233,15 @@ TEST(AFault, AnEarlyFrictionReversalIsNotReportedAsATransient) {
   }
 }
 
+// Dry friction that turns round where the recorded position does not: a set point that leads, or another coordinate.
+TEST(AFault, OneStepOfTheTorqueAtTheStartDoesNotRing) {
+  for (int row = 10; row < 200; row += 7) {
+    Recording r = clean_recording();
+    r.tau.col(1).head(row).array() += 2.0;
+    EXPECT_EQ(check_recording(r).find("start_up_transient"), nullptr) << row << "\n" << check_recording(r).report();
+  }
+}
+
 // Two wrong values near the start.
 TEST(AFault, SingleWrongTorquesAreNotReportedAsATransient) {
   Recording r = clean_recording();
@@ -346,6 +355,18 @@ TEST(AFault, ATorqueClippedAtSymmetricLimitsIsReported) {
   for (const double step : {1e-9, 0.01, 0.1}) {
     r.tau.col(0) = ((wave / step).array().round() * step).matrix();
     EXPECT_TRUE(check_recording(r).saturated.empty()) << step;
+  }
+}
+
+// Dry friction on which a slow torque rides stays within 8 % of its extreme while the joint speeds up; a limit with noise does, too.
+TEST(AFault, FrictionOnWhichATorqueRidesIsNotSaturated) {
+  for (const double share : {0.0, 0.05}) {
+    Recording r = clean_recording();
+    for (int k = 0; k < kRows; ++k) {
+      const double wave = std::sin(1.3 * r.time[k]), noise = 0.01 * (k * 7919 % 101 - 50) / 50.0;
+      r.tau(k, 0) = std::clamp(10.0 * wave, -2.0, 2.0) * (1.0 + share * std::abs(wave)) + noise;
+    }
+    EXPECT_EQ(check_recording(r).find("saturation") == nullptr, share > 0.0) << check_recording(r).report();
   }
 }
 

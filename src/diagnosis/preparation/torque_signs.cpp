@@ -4,10 +4,11 @@
 #include "diagnosis/candidates.hpp"
 #include "diagnosis/preparation/diagnosis_state.hpp"
 #include "identification/base_solution.hpp"
+#include "identification/check/check_thresholds.hpp"
 #include "veridyn/effects/effect.hpp"
 
 // Friction dissipates power. Significantly negative friction, fitted without sign constraints,
-// means that a joint's torque has the wrong sign or belongs to another joint.
+// means that a joint's torque has the wrong sign or belongs to another joint; a small one is what a delay makes of inertia.
 
 namespace veridyn {
 namespace {
@@ -84,7 +85,8 @@ void check_torque_signs(DiagnosisState& x) {
         return f.finding == "torque_sign" && f.joint == static_cast<int>(i) + 1;
       });
     });
-    if (!answered && below > x.options.thresholds.negative_friction) report(x, static_cast<int>(i), below);
+    const bool matters = -joints[i].sum > checking::kFrictionShare * std::sqrt(totals[i].rhs_norm2());
+    if (!answered && matters && below > x.options.thresholds.negative_friction) report(x, static_cast<int>(i), below);
   }
 }
 

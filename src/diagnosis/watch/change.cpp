@@ -56,7 +56,8 @@ void ChangeFinder::calibrate() {
   std::vector<Step> all = before_;
   for (Step& step : all) step.residual += step.columns * noise_.daily_offsets();
   all.insert(all.end(), quiet_.begin(), quiet_.end());
-  for (const Step& step : all) {
+  for (Step& step : all) {
+    step.residual += step.columns * known_;  // which was taken from them, and whitening takes it again, as from the steps to come
     const WhiteStep white = noise_.whiten(step, known_);
     recent_.push_back(white);
     for (size_t m = 0; m < memories_.size(); ++m) {

@@ -45,11 +45,13 @@ class SetUp {
  public:
   SetUp(const Model& arm, const PreprocessingOptions& options) : options_(options) { out_.arm = arm; }
 
+  // Factors that each recording fitted for itself would make recordings of one arm differ: the set of the first one is used
+  // where it corrects the others, too.
   void learn_from(const std::string& name) {
     RobotAnswers answers = answers_of(out_.arm, name, options_, smallest_error());
     note(answers, name);
     std::vector<RecordingQuestion>& set = answers.set;
-    if (set.empty() && !answers.explained && would_mend(first_, out_.arm, name, options_)) set = first_;
+    if (!first_.empty() && !answers.explained && would_mend(first_, out_.arm, name, options_)) set = first_;
     set.erase(std::remove_if(set.begin(), set.end(), [this](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out_.arm); }), set.end());
     mend(set, name);
     if (!first_.empty()) return;
@@ -139,7 +141,7 @@ std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vecto
 }
 
 bool is_contradiction(const QualityFinding& finding) {
-  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "torque_clock", "torque_delay", "torque_filter", "changed_midway", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained"};
+  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "torque_clock", "torque_delay", "torque_filter", "changed_midway", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained", "rate_contradiction", "same_column"};
   return finding.severity == Severity::kFault && (is_of_motion(finding) || kOthers.count(finding.finding) > 0);
 }
 

@@ -39,8 +39,8 @@ struct MendedSetUp {
 };
 
 /// Tests all recordings if one has a large error. Training recordings determine the transformations. The
-/// first set found is also applied to other recordings, held-out ones included, that are not explained, have
-/// no set of their own, and are explained by it.
+/// first set found is also applied to other recordings, held-out ones included, that are not explained
+/// and that it explains.
 /// @param fit  identification from these recordings.
 MendedSetUp mended_set_up(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
                           const PreprocessingOptions& options, const Identification& fit);

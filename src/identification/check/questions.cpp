@@ -249,7 +249,25 @@ class List {
       const double travel = std::abs(scales[i].factor) * (r_.q.col(i).maxCoeff<Eigen::PropagateNumbers>() - r_.q.col(i).minCoeff<Eigen::PropagateNumbers>());
       if (moves_[i] && (travel < checking::kLeastTravel || travel > checking::kMostTravel)) return;
     }
-    add(finding, 0, what, units);
+    if (!has_velocity() || !parts_velocities(scales, scales_of("dq", units, arm_))) add(finding, 0, what, units);
+  }
+
+  // True if velocities, integrated, differ from the travel of the positions by far more in these units than as recorded.
+  bool parts_velocities(const std::vector<recordings::UnitScale>& q, const std::vector<recordings::UnitScale>& dq) const {
+    std::vector<double> more;
+    for (int i = 0; i < r_.joints(); ++i) {
+      if (!moves_[i] || slides(i)) continue;
+      double way = 0.0, least = 0.0, most = 0.0;
+      for (Eigen::Index k = 1; k < r_.rows(); ++k) {
+        const double step = r_.dq(k, i) * (r_.time[k] - r_.time[k - 1]);
+        way += std::isfinite(step) ? step : 0.0;
+        least = std::min(least, way), most = std::max(most, way);
+      }
+      const double off = std::log((most - least) / (r_.q.col(i).maxCoeff<Eigen::PropagateNumbers>() - r_.q.col(i).minCoeff<Eigen::PropagateNumbers>()));
+      const double with = std::abs(off + std::log(std::abs(dq[i].factor / q[i].factor))) - std::abs(off);
+      if (std::isfinite(with)) more.push_back(with);
+    }
+    return !more.empty() && median(more) > std::log(2.0);
   }
 
   bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }

@@ -11,21 +11,16 @@
 namespace veridyn::quality {
 namespace {
 
-// Usual size of a load's change over 20 ms in consecutive windows of 0.1 s. Single wrong values do not count,
-// nor do rows in which the joint reverses, since its friction then changes its sign.
+// Usual size of a load's change over 20 ms in consecutive windows of 0.1 s. Single wrong values do not count.
 std::vector<double> ringing(const Head& head, const Channel& load) {
   const auto values = load.of(head.rows);
-  const auto q = head.rows.q.col(load.joint);
   const int lag = std::max(1, static_cast<int>(std::lround(numbers.ringing / head.step)));
   const int window = window_rows(head);
-  const auto step = [&](int k) { return q[std::max(k, 1)] - q[std::max(k, 1) - 1]; };
   std::vector<double> sizes;
   for (int first = 0; first + window + lag <= values.size(); first += window) {
     std::vector<double> changes;
-    for (int k = first; k < first + window; ++k) {
-      if (!(step(k) * step(k + lag) < 0.0)) changes.push_back(std::abs(values[k + lag] - values[k]));
-    }
-    sizes.push_back(changes.empty() ? 0.0 : quantile(changes, 1.0 - numbers.rare));
+    for (int k = first; k < first + window; ++k) changes.push_back(std::abs(values[k + lag] - values[k]));
+    sizes.push_back(quantile(changes, 1.0 - numbers.rare));
   }
   return sizes;
 }
@@ -142,11 +137,11 @@ void check_start_up(const Head& head, Findings* findings) {
       const std::vector<double> sizes = ringing(head, load);
       if (static_cast<int>(sizes.size()) < 2 * numbers.latest_start) continue;
       const double usual = quantile({sizes.begin() + numbers.latest_start, sizes.end()}, 1.0 - numbers.rare);
-      int loud = 0;
+      int loud = 0, count = 0;  // one loud window is a step, as that of dry friction where a joint turns round
       for (int w = 0; w < numbers.latest_start && w <= loud + 1; ++w) {
-        if (sizes[w] > numbers.loud * usual) loud = w + 1;
+        if (sizes[w] > numbers.loud * usual) loud = w + 1, ++count;
       }
-      if (loud < numbers.shortest_start || usual <= 0.0) continue;
+      if (count < numbers.shortest_start || usual <= 0.0) continue;
       const double ratio = *std::max_element(sizes.begin(), sizes.begin() + loud) / usual;
       until = std::max(until, loud * window_rows(head) * head.step);
       if (ratio > worst) worst_load = load;

@@ -146,6 +146,9 @@ struct QualityNumbers {
   /// load > near_largest * its largest value in >= shortest_plateau successive rows: the rows form a plateau.
   double near_largest = 0.92;
   int shortest_plateau = 8;
+  /// share of the plateau's scatter that a parabola explains > curved: the top of a wave (0.32 and 0.61 at the limits of a PSM,
+  /// 0.98 and more on waves).
+  double curved = 0.9;
   /// change of speed during a plateau > speed_change * the largest speed: the load is saturated, unlike on
   /// plateaus of friction. Speeds are measured over a share 1 / plateau_parts of the plateau.
   double speed_change = 0.25;

@@ -116,12 +116,24 @@ struct Plateau {
   int last = 0;
 };
 
+// True if a parabola explains nearly all of a plateau's scatter: the top of a wave, or friction on which gravity or inertia rides.
+// A torque at its limit scatters by noise, and its limit sags with the supply.
+bool is_curved(const VectorXd& load, const Plateau& plateau) {
+  const Eigen::Index length = plateau.last - plateau.first + 1;
+  const Eigen::ArrayXd values = load.segment(plateau.first, length).array() - load.segment(plateau.first, length).mean();
+  const Eigen::ArrayXd line = Eigen::ArrayXd::LinSpaced(length, -1.0, 1.0);
+  const Eigen::ArrayXd bend = line.square() - line.square().mean();  // at right angles to the line and to the mean
+  double explained = 0.0;
+  for (const Eigen::ArrayXd* one : {&line, &bend}) explained += std::pow((values * *one).sum(), 2) / one->square().sum();
+  return explained > numbers.curved * values.square().sum();
+}
+
 // True for saturation: the load rises from half to full and falls back in less than half the time
 // that it stays there, and meanwhile the arm accelerates or decelerates by at least a quarter of
 // its top speed (unlike on friction plateaus).
 bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half, int joint) {
   const int length = plateau.last - plateau.first + 1;
-  if (length < numbers.shortest_plateau) return false;
+  if (length < numbers.shortest_plateau || is_curved(load, plateau)) return false;
   int before = plateau.first;
   int after = plateau.last;
   while (before > 0 && load[before] > half && plateau.first - before <= length) --before;

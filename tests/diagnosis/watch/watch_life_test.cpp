@@ -43,6 +43,17 @@ TEST(WatchLife, RemovingALoadEndsItsEvent) {
   EXPECT_EQ(events.back().stage, WatchStage::kOver) << events_text(events);
 }
 
+// A load that is there when the watch begins counts as known, and is missed when it is taken off.
+TEST(WatchLife, RemovingALoadThatWasThereFromTheBeginningIsAChange) {
+  const MotionSamples motion = watched_waves(30.0);
+  const Recording without = psm().recorded(motion, {}, 1), with = psm().recorded(motion, {"payload:tool:mass=0.3"}, 1);
+  const std::vector<WatchEvent> events = psm().watched(joined(with, without, 15.0, 30.0));
+  ASSERT_EQ(of(events, WatchStage::kPresent).size(), 1U) << events_text(events);
+  const std::vector<WatchEvent> suspicions = of(events, WatchStage::kSuspected);
+  ASSERT_EQ(suspicions.size(), 1U) << events_text(events);
+  EXPECT_NEAR(suspicions[0].time, 15.0, 1.0);
+}
+
 // Waves of a quarter of their size, and from 12 to 14 s up to their whole size.
 MotionSamples growing_waves(double seconds) {
   MotionSamples m = watched_waves(seconds);

@@ -59,7 +59,7 @@ function diagnosisWords() {
   const faults = remarks.filter((item) => item.severity === 'fault');
   return [
     findings.length ? element('ol', {}, findings.slice(0, shown).map((f, k) => element('li', {}, typeset(f.sentence), ' ', statusWords(f, k)))) : null,
-    more > 0 ? paragraph('', 'And ' + (shown === main ? countOf(more, 'small one') : more + ' more') + ' in the ', element('a', {href: '#findings'}, 'table of findings'), '.') : null,
+    more > 0 ? paragraph('', 'And ' + more + ' more in the ', element('a', {href: '#findings'}, 'table of findings'), '.') : null,
     findings.length ? explainedByMain() : null, ...unexplained(),
     verdictParts() || verdictBars(verdictRows()),
     ...(findings.length ? worseJoints() : []),
