@@ -88,26 +88,43 @@ class Outcome {
       const bool is_curve = a.term.kind == TermKind::kCurve;
       return is_curve != (b.term.kind == TermKind::kCurve) ? !is_curve : a.gain > b.gain;
     });
+    collect_daily_changes(full, out);
     set_test_errors(out);
     out.chosen = std::move(current_.terms);
     return out;
   }
 
  private:
-  // Combinations of all coefficients that are the values of the terms. A level that differs from day to day may also move
-  // with the MODEL's own parameters: its change is the sum of both.
-  MatrixXd values_by_coefficients(Eigen::Index count) const {
-    MatrixXd out = MatrixXd::Identity(count, count);
+  // A level that differs from day to day may also move with the MODEL's own parameters: its change is the sum of both.
+  // Calls visit(term, index of the value, index of the parameter) for each of its values.
+  template <typename Visit>
+  void for_daily_levels(const Visit& visit) {
     const std::vector<StandardParameter> parameters = standard_parameters(current_.rows().arm());
-    const MatrixXd& T = current_.base().T;
     for (size_t k = 0; k < current_.terms.size(); ++k) {
       const Term& t = current_.terms[k].term;
       for (size_t p = 0; t.is_daily && p < parameters.size(); ++p) {
         if (parameters[p].effect && static_cast<size_t>(*parameters[p].effect) == t.candidate.own->value)
-          out.row(current_.range(k).first + parameters[p].component).head(T.cols()) = T.row(static_cast<Eigen::Index>(p));
+          visit(k, parameters[p].component, static_cast<Eigen::Index>(p));
       }
     }
+  }
+
+  // Combinations of all coefficients that are the values of the terms.
+  MatrixXd values_by_coefficients(Eigen::Index count) {
+    MatrixXd out = MatrixXd::Identity(count, count);
+    const MatrixXd& T = current_.base().T;
+    for_daily_levels([&](size_t k, int value, Eigen::Index p) { out.row(current_.range(k).first + value).head(T.cols()) = T.row(p); });
     return out;
+  }
+
+  // Moves the whole change of a daily level to its term.
+  void collect_daily_changes(const Fitted& full, SearchResult& out) {
+    const MatrixXd& T = current_.base().T;
+    for_daily_levels([&](size_t k, int value, Eigen::Index p) {
+      const double shift = T.row(p).dot(full.x.head(T.cols()));
+      current_.terms[k].values[value] += shift;
+      out.values[p] -= shift;
+    });
   }
 
   // Number of compared causes; each place counts once.
