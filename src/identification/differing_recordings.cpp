@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "identification/base_solution.hpp"
-#include "identification/check/check_thresholds.hpp"
 #include "identification/estimation/least_squares.hpp"
 #include "identification/identification_numbers.hpp"
 
@@ -148,7 +147,7 @@ std::string recordings_apart(const Identification& evaluated) {
   std::string names;
   const RecordingError *worst = nullptr, *best = nullptr;
   Eigen::Index joint = 0;
-  double most = checking::kOutstanding;
+  double most = identifying::numbers.outstanding;
   for (const RecordingError* r : all) {
     bool apart = false;
     for (Eigen::Index i = 0; i < r->error.relative.size(); ++i) {
@@ -156,7 +155,7 @@ std::string recordings_apart(const Identification& evaluated) {
       const double limit = std::max(identifying::numbers.below_any_sensor, identifying::numbers.far_above_floor * floor);
       const RecordingError* least = *std::min_element(all.begin(), all.end(), [i](const auto* a, const auto* b) { return a->error.relative[i] < b->error.relative[i]; });
       const double times = r->error.relative[i] / limit;
-      if (!(times > checking::kOutstanding) || least->error.relative[i] > limit) continue;
+      if (!(times > identifying::numbers.outstanding) || least->error.relative[i] > limit) continue;
       apart = true;
       if (times > most) most = times, worst = r, best = least, joint = i;
     }

@@ -79,6 +79,10 @@ struct IdentificationNumbers {
   /// share of a gain's column outside the span of the others < untied: rounding; the mass does not determine
   /// this gain.
   double untied = 1e-6;
+
+  // Recordings.
+  /// remaining error > outstanding * that of another recording of the command: the recording may have a mistake of its own.
+  double outstanding = 3.0;
 };
 
 /// Numbers that change no result: definitions of printed figures, memory, and safe arithmetic.

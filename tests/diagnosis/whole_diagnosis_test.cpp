@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/two_joint_arm.hpp"
 #include "veridyn/files/model_file.hpp"
@@ -57,6 +58,46 @@ TEST_F(WholeDiagnosis, APushDoesNotChangeTheEstimateOfASpring) {
   EXPECT_EQ(pushed.findings[0].source, "recording 2");
   EXPECT_NEAR(spring_of(pushed), spring_of(alone), 0.02);
   EXPECT_LT(pushed.extended.test_error.relative.maxCoeff(), 1.1 * alone.extended.test_error.relative.maxCoeff());
+}
+
+// The same torque in one period of a motion, and at one phase of all of them.
+TEST_F(WholeDiagnosis, AMomentThatComesBackWithTheMotionIsNoPush) {
+  constexpr double kTurn = 5.0;
+  const auto pushes = [&](bool in_every_period) {
+    std::vector<Recording> all;
+    for (unsigned k = 1; k <= 3; ++k) {
+      MotionSamples m = motion(k);
+      m.q.setZero();
+      m.dq.setZero();
+      m.ddq.setZero();
+      for (int wave = 1; wave <= 4; ++wave) {
+        const double w = 2.0 * M_PI * wave / kTurn;
+        for (int i = 0; i < 2; ++i) {
+          const Eigen::ArrayXd angle = w * m.time.array() + 1.7 * (i + 1) * wave + k;
+          m.q.col(i).array() += 0.5 / wave * angle.sin();
+          m.dq.col(i).array() += 0.5 / wave * w * angle.cos();
+          m.ddq.col(i).array() -= 0.5 / wave * w * w * angle.sin();
+        }
+      }
+      SimulationOptions options;
+      options.noise = sensor_noise("low");
+      options.seed = k;
+      all.push_back(recording_of(simulate_recording(truth_, m, options)));
+      all.back().source = "recording " + std::to_string(k);
+      Recording& r = all.back();
+      for (int row = 0; k == 2 && row < r.rows(); ++row) {
+        const double since = r.time[row] - 6.0, phase = in_every_period ? std::fmod(r.time[row] + kTurn - 1.0, kTurn) : since;
+        if (phase > 0.0 && phase < 0.7) r.tau(row, 0) += 15.0;
+      }
+    }
+    DiagnosisOptions options;
+    options.identification.threads = 1;
+    options.effects = {"joint_spring", "external_contact"};
+    const Diagnosis d = diagnose(read_model("planar-2r"), {all[0], all[1]}, all[2], options);
+    return std::count_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return std::holds_alternative<ExternalContact>(f.cause); });
+  };
+  EXPECT_EQ(pushes(false), 1);
+  EXPECT_EQ(pushes(true), 0);
 }
 
 // The shoulder has a force of position that no tested cause describes, in the held-out recording with either sign.

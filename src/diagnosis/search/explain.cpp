@@ -231,12 +231,19 @@ class Explanation {
     });
   }
 
+  // [s] of the motion of every recording; 0: it does not repeat.
+  static std::vector<double> periods(const std::vector<RecordingError>& recordings) {
+    std::vector<double> out;
+    for (const RecordingError& r : recordings) out.push_back(r.period);
+    return out;
+  }
+
   void add_moments() {
     const bool has_room = static_cast<int>(named().size()) < x_.options.max_effects;
     if (x_.poses || !x_.tests_effect(ExternalContact::kName) || !has_room || found_.fitted.rows() == 0) return;
     std::vector<Contact> contacts;
-    add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, contacts);
-    if (found_.test) add_moments_in(*found_.test, found_.test_residual, found_.scale, x_.test, contacts);
+    add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, periods(d_.baseline.train), contacts);
+    if (found_.test) add_moments_in(*found_.test, found_.test_residual, found_.scale, x_.test, periods(d_.baseline.test), contacts);
     // The residual of a joint with an unnamed curve is no push.
     contacts.erase(std::remove_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
                      const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {

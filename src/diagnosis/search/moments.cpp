@@ -20,7 +20,8 @@ class OneRecording {
     }
   }
 
-  std::vector<Contact> moments() {
+  // @param period  [s] of the motion; 0: it does not repeat.
+  std::vector<Contact> moments(double period) {
     if (own_.size() < kFewestRows) return {};
     const double step = (time(count() - 1) - time(0)) / static_cast<double>(count() - 1);
     average(std::max<std::ptrdiff_t>(1, std::lround(0.5 * kMomentSeconds / step)));
@@ -37,7 +38,7 @@ class OneRecording {
       if (first < last) {
         Contact c = contact(first, last);
         pushed += c.to - c.from;
-        if (c.peak > 0.0 && c.to - c.from >= kShortest) out.push_back(std::move(c));
+        if (c.peak > 0.0 && c.to - c.from >= kShortest && !comes_back(c, period)) out.push_back(std::move(c));
       }
       k = end;
     }
@@ -62,6 +63,27 @@ class OneRecording {
         mean_(k, j) = sum / static_cast<double>(2 * half + 1) / scale_[j];
       }
     }
+    usual_ = VectorXd(n);
+    for (int j = 0; j < n; ++j) {
+      VectorXd all = mean_.col(j).cwiseAbs();
+      const auto at = all.data() + static_cast<std::ptrdiff_t>(kUsualShare * static_cast<double>(count() - 1));
+      std::nth_element(all.data(), at, all.data() + all.size());
+      usual_[j] = std::max(1.0, *at);
+    }
+  }
+
+  // True if the residual is alike one period before or after: a function of the motion, not a push.
+  bool comes_back(const Contact& c, double period) const {
+    for (const double shift : {-period, period}) {
+      double sum = 0.0, rows = 0.0;
+      for (std::ptrdiff_t k = 0; k < count() && shift != 0.0; ++k) {
+        if (time(k) < c.from + shift || time(k) > c.to + shift) continue;
+        sum += residual_(own_[k], c.last_joint);
+        rows += 1.0;
+      }
+      if (rows > 0.0 && sum / rows / c.effort[c.last_joint] >= 0.5) return true;
+    }
+    return false;
   }
 
   // Running means and filters extend a push on either side: it begins and ends at half of its height.
@@ -92,7 +114,7 @@ class OneRecording {
     for (int j = 0; j < n; ++j) {
       for (auto at = first; at < end; ++at) c.effort[j] += residual_(own_[at], j) / static_cast<double>(end - first);
       const double peak = mean_.block(first, j, end - first, 1).cwiseAbs().maxCoeff();
-      if (peak < kPeak || std::abs(c.effort[j]) < kTorqueShare * rows_.measured.col(j).cwiseAbs().maxCoeff()) continue;
+      if (peak < kPeak * usual_[j] || std::abs(c.effort[j]) < kTorqueShare * rows_.measured.col(j).cwiseAbs().maxCoeff()) continue;
       c.last_joint = j;
       c.deviation = scale_[j];
       c.peak = std::max(c.peak, peak);
@@ -105,15 +127,16 @@ class OneRecording {
   const VectorXd& scale_;
   const std::string& source_;
   std::vector<Eigen::Index> own_;
-  MatrixXd mean_;  // (rows x n)
+  MatrixXd mean_;   // (rows x n)
+  VectorXd usual_;  // (n) size of the running means in this recording, at least one scale
 };
 
 }  // namespace
 
 void add_moments_in(const Rows& rows, const MatrixXd& residual, const VectorXd& scale, const std::vector<std::string>& sources,
-                    std::vector<Contact>& out) {
+                    const std::vector<double>& periods, std::vector<Contact>& out) {
   for (size_t r = 0; r < sources.size(); ++r) {
-    std::vector<Contact> own = OneRecording(rows, residual, scale, r, sources[r]).moments();
+    std::vector<Contact> own = OneRecording(rows, residual, scale, r, sources[r]).moments(periods[r]);
     out.insert(out.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
   }
 }

@@ -29,9 +29,10 @@ constexpr double kNoisePart = 0.5, kUncorrelatedPart = 0.05;
 /// gain of another term >= kRivalGainShare * that of a linearised term: it is compared as a rival; gain of named terms >=
 /// kRivalGainShare * that of a curve: the curve does not replace them.
 constexpr double kRivalGainShare = 0.5;
-/// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak scales and kTorqueShare of the
-/// joint's largest torque, for kShortest [s] or more, in less than kMostOfTime of the recording: a push.
-constexpr double kMomentSeconds = 0.5, kMomentSize = 2.2, kPeak = 4.0, kTorqueShare = 0.04, kShortest = 0.4, kMostOfTime = 0.2;
+/// mean of half a second of what is left over >= kMomentSize scales, its peak >= kPeak times the size that kUsualShare of the
+/// means stay below (at least one scale) and >= kTorqueShare of the joint's largest torque, for kShortest [s] or more, in
+/// less than kMostOfTime of the recording: a push.
+constexpr double kMomentSeconds = 0.5, kMomentSize = 2.2, kUsualShare = 0.75, kPeak = 6.0, kTorqueShare = 0.04, kShortest = 0.4, kMostOfTime = 0.2;
 /// error of the held-out recordings >= kDiffers * that of the training recordings: no floor.
 constexpr double kDiffers = 3.0;
 /// error of a joint <= kAtFloor * its floor: at the floor.

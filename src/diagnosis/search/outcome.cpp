@@ -122,7 +122,11 @@ class Outcome {
     const MatrixXd& T = current_.base().T;
     for_daily_levels([&](size_t k, int value, Eigen::Index p) {
       const double shift = T.row(p).dot(full.x.head(T.cols()));
-      current_.terms[k].values[value] += shift;
+      Chosen& c = current_.terms[k];
+      c.values[value] += shift;
+      for (const Level& level : c.term.nonnegative) {
+        if (level.column == value) c.values[value] = std::max(c.values[value], -level.own);
+      }
       out.values[p] -= shift;
     });
   }

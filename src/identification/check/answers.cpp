@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identification/check/check_thresholds.hpp"
+#include "identification/identification_numbers.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
@@ -68,7 +69,7 @@ class SetUp {
   MendedSetUp result() {
     out_.findings = once_each(all_);
     for (QualityFinding& f : out_.findings) {
-      const bool elsewhere = std::any_of(sound_.begin(), sound_.end(), [&](double left) { return left < checking::kOutstanding * std::max(f.value, checking::kExact); });
+      const bool elsewhere = std::any_of(sound_.begin(), sound_.end(), [&](double left) { return left < identifying::numbers.outstanding * std::max(f.value, checking::kExact); });
       if (elsewhere && is_contradiction(f) && f.finding != "unexplained" && f.finding != "gravity" && f.finding != "dh_convention")
         f.sentence += " Other recordings of this command do not have this mistake, and options count for all: change this file.";
     }
@@ -78,7 +79,7 @@ class SetUp {
  private:
   // A mistake in the set-up affects every recording. If one recording has an unexplained error but no
   // contradiction, others are tested only if their error is several times as large.
-  double smallest_error() const { return checking::kOutstanding * least_left_; }
+  double smallest_error() const { return identifying::numbers.outstanding * least_left_; }
 
   void note(const RobotAnswers& answers, const std::string& name) {
     bool found = false;

@@ -91,9 +91,6 @@ constexpr double kBeyondEffort = 3.0;
 /// remaining error with transformations < kClearImprovement * the error without them: a diagnosis applies them even
 /// though the model lacks something else.
 constexpr double kClearImprovement = 0.1;
-/// remaining error > kOutstanding * that of another recording of the command: the recording may have a
-/// mistake of its own.
-constexpr double kOutstanding = 3.0;
 /// remaining error > kUnexplained with any transformation: the torques do not belong to this arm's motion.
 constexpr double kUnexplained = 0.6;
 /// remaining error of one joint > kUnexplainedJoint while other joints are explained: its torque does not follow from
