@@ -118,7 +118,7 @@ std::vector<FrictionCurve> friction_curves(const Identification& id) {
   const MatrixXd F = scatter_of(id, names);
   for (int joint = 0; joint < arm.joints(); ++joint) {
     const JointUse use = use_of(id, static_cast<std::size_t>(joint));
-    if (use.speed < kRestSpeed) continue;
+    if (use.speed <= kRestSpeed) continue;
     FrictionCurve curve{{joint}, VectorXd(2 * kSpeeds), VectorXd(2 * kSpeeds), VectorXd(2 * kSpeeds)};
     VectorXd columns(F.rows());
     for (int k = 0; k < 2 * kSpeeds; ++k) {
