@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   for (int k = 0; k < 3000; ++k) {
     robot.read(measured.q);
     path.advance(SimulatedRobot::kCycle);
-    follow(path, wanted);
+    set_reference_from(path, wanted);
     robot.write(controller.update(measured, wanted, SimulatedRobot::kCycle));
     worst = std::max(worst, (robot.true_q() - wanted.q).cwiseAbs().maxCoeff());
   }

@@ -24,7 +24,7 @@ Recording record(const Model& arm, double frequency) {
   Recording log{"the log", motion.time, motion.q, motion.dq, {}, motion.q, {}};
   for (int k = 0; k < log.rows(); ++k) {
     robot.read(measured.q);
-    follow(motion, k, wanted);
+    set_reference_from(motion, k, wanted);
     log.q.row(k) = measured.q;
     log.tau.row(k) = controller.update(measured, wanted, SimulatedRobot::kCycle);
     log.dq.row(k) = controller.state().dq();

@@ -25,7 +25,7 @@ double steps(const Model& arm, const JointControllerOptions& options) {
     for (int k = 0; k < 3000; ++k) {
       robot.read(measured.q);
       path.advance(SimulatedRobot::kCycle);
-      follow(path, wanted);
+      set_reference_from(path, wanted);
       robot.write(controller.update(measured, wanted, SimulatedRobot::kCycle));
     }
     error[joint] = std::abs(wanted.q[joint] - controller.state().q()[joint]);

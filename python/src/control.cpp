@@ -188,7 +188,7 @@ void bind_compensation(py::module_& m) {
            [](ModelErrorObserver& observer, const VectorXd& asked, const VectorXd& sent) {
              expect(asked, static_cast<int>(observer.torque().size()), "ModelErrorObserver.sent", "asked");
              expect(sent, static_cast<int>(observer.torque().size()), "ModelErrorObserver.sent", "sent");
-             observer.sent(asked, sent);
+             observer.set_sent_torques(asked, sent);
            },
            py::arg("asked"), py::arg("sent"),
            "Torques (n) asked of the motors and sent to them, after every limit.")

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kGiveWayDamping = 5.0;  // [1/s] rate of damping in give_way()
+constexpr double kGiveWayDamping = 5.0;  // [1/s] rate of damping in command_gravity_compensation()
 
 // Number of cycles between two evaluations of TorqueUncertainty, whose cost grows with the model's covariance;
 // in between, the motion hardly changes.
@@ -41,7 +41,7 @@ ModelErrorOptions observer_of(const Model& arm, const CycleOptions& options) {
           options.error_bandwidth, " 1/s, expected none below zero.");
   if (options.error_bandwidth == 0.0) return out;
   out.bandwidth = options.error_bandwidth;
-  if (options.error_limit) out.limit = options.error_limit->of(arm.joints(), "error limit");
+  if (options.error_limit) out.limit = options.error_limit->expand(arm.joints(), "error limit");
   return out;
 }
 
@@ -122,7 +122,7 @@ void ControlCycle::add_model_error(const VectorXd& y) noexcept {
   observed_ = true;
 }
 
-void ControlCycle::give_way() noexcept {
+void ControlCycle::command_gravity_compensation() noexcept {
   y_ = -kGiveWayDamping * state_.dq();
   tau_ = state_.bias();
   tau_.noalias() += state_.mass_matrix().lazyProduct(y_);
@@ -131,7 +131,7 @@ void ControlCycle::give_way() noexcept {
 }
 
 const VectorXd& ControlCycle::send() noexcept {
-  if (limp_) give_way();
+  if (limp_) command_gravity_compensation();
   if (!observed_) error_.reset();
   if (safety_) {
     safety_->set_holding_torque(error_.torque());
@@ -146,7 +146,7 @@ const VectorXd& ControlCycle::send() noexcept {
       sent_[i] = std::isfinite(tau_[i]) && !off_ ? std::clamp(tau_[i], -most, most) : 0.0;
     }
   }
-  error_.sent(tau_, sent_);
+  error_.set_sent_torques(tau_, sent_);
   // Joints whose torque was not sent as computed do not have the acceleration of the law.
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
     if (sent_[i] != tau_[i]) y_[i] = 0.0;
@@ -156,10 +156,10 @@ const VectorXd& ControlCycle::send() noexcept {
   return drive_;
 }
 
-void ControlCycle::sent(const VectorXd& drive_torques) noexcept {
+void ControlCycle::set_sent_torques(const VectorXd& drive_torques) noexcept {
   sent_ = drive_torques;
   sensors_.correct_torques(sent_);
-  error_.sent(tau_, sent_);
+  error_.set_sent_torques(tau_, sent_);
 }
 
 bool ControlCycle::hold() noexcept {

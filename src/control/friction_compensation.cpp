@@ -176,7 +176,7 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   axis.energy = std::isnan(axis.energy) ? 0.0 : std::clamp(axis.energy, 0.0, axis.largest);
 }
 
-void FrictionCompensation::locate(const ArmState& arm) noexcept {
+void FrictionCompensation::set_axis_states(const ArmState& arm) noexcept {
   for (Axis& axis : axes_) {
     axis.s = axis.offset + along(axis.along, arm.q());
     if (axis.loaded) axis.load = along(axis.along, arm.rigid_bias()) / axis.squared;
@@ -190,7 +190,7 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
   tau_.setZero();
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !dq_wanted.allFinite() || !error.allFinite())
     return tau_;
-  locate(arm);
+  set_axis_states(arm);
   for (Axis& axis : axes_) {
     const double v = along(axis.along, arm.dq());
     const double v_wanted = along(axis.along, dq_wanted);

@@ -10,7 +10,7 @@ Gain::Gain(std::initializer_list<double> of_each) : values_(static_cast<Eigen::I
   std::copy(of_each.begin(), of_each.end(), values_.data());
 }
 
-VectorXd Gain::of(Eigen::Index n, const char* what) const {
+VectorXd Gain::expand(Eigen::Index n, const char* what) const {
   require(values_.size() == 1 || values_.size() == n, what, ": found ", values_.size(),
           " numbers, expected one, or one for each of ", n, ".");
   require(values_.allFinite() && values_.minCoeff() >= 0.0, what,

@@ -10,7 +10,7 @@ JointController::JointController(const Model& arm, const JointControllerOptions&
       error_(VectorXd::Zero(arm.joints())),
       tau_(error_) {
   const int n = arm.joints();
-  const VectorXd p = options.kp.of(n, "kp"), d = options.kd.of(n, "kd"), i = options.ki.of(n, "ki");
+  const VectorXd p = options.kp.expand(n, "kp"), d = options.kd.expand(n, "kd"), i = options.ki.expand(n, "ki");
   switch (law_) {
     case JointLaw::kComputedTorque:
       computed_torque_.emplace(n, JointGains{p, d});
@@ -35,7 +35,7 @@ const VectorXd& JointController::act(const JointReference& reference) noexcept {
       cycle_.command(computed_torque_->update(state, reference));
       cycle_.add_friction(reference.dq, error_);
       cycle_.add_model_error(computed_torque_->acceleration());
-      cycle_.track(reference.q);
+      cycle_.set_wanted_positions(reference.q);
       break;
     case JointLaw::kGravity:
       cycle_.command(gravity_->update(state.q()));
@@ -43,7 +43,7 @@ const VectorXd& JointController::act(const JointReference& reference) noexcept {
     case JointLaw::kPid:
       pid_->torques(state.q(), state.dq(), reference.q, reference.dq, dt_, tau_);
       cycle_.command(tau_);
-      cycle_.track(reference.q);
+      cycle_.set_wanted_positions(reference.q);
       break;
   }
   return cycle_.send();

@@ -93,7 +93,7 @@ double halton(int index, int base) {
 }
 
 // Point `index` of a sequence of joint positions that fills the ranges evenly.
-VectorXd spread(const MotionLimits& limits, int index) {
+VectorXd halton_configuration(const MotionLimits& limits, int index) {
   VectorXd q(limits.lower.size());
   for (Eigen::Index i = 0; i < q.size(); ++i)
     q[i] = limits.lower[i] + halton(index, kPrimes[i]) * (limits.upper[i] - limits.lower[i]);
@@ -102,12 +102,12 @@ VectorXd spread(const MotionLimits& limits, int index) {
 
 // Tries Newton steps from the present joints, from the start, and from points spread over the ranges, since
 // steps may end at joint limits or at singularities between postures.
-bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const MotionLimits& limits,
-           const VectorXd& start, VectorXd& q) {
+bool solve_from_several_starts(InverseKinematics& newton, const Eigen::Isometry3d& wanted,
+                               const MotionLimits& limits, const VectorXd& start, VectorXd& q) {
   VectorXd trial = q;
   for (int k = -1; k <= kStarts; ++k) {
     if (k == 0) trial = start;
-    if (k > 0) trial = spread(limits, k);
+    if (k > 0) trial = halton_configuration(limits, k);
     const ReachStatus status = newton.solve(wanted.translation(), wanted.linear(), trial);
     const bool reached = status == ReachStatus::kReached ||
                          (newton.position_error() <= kPrintedPosition &&
@@ -174,7 +174,7 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
     if (solver) {
       status = solver(wanted, q);
     } else {
-      status = reach(newton, wanted, limits, middle, q) ? "reached" : "not reached";
+      status = solve_from_several_starts(newton, wanted, limits, middle, q) ? "reached" : "not reached";
     }
     KinematicRow row = rows.row(q);
     row.status = status;

@@ -38,7 +38,7 @@ void ModelErrorObserver::reset() noexcept {
   first_ = true;
 }
 
-void ModelErrorObserver::sent(const VectorXd& asked, const VectorXd& sent) noexcept {
+void ModelErrorObserver::set_sent_torques(const VectorXd& asked, const VectorXd& sent) noexcept {
   assert(asked.size() == d_.size() && sent.size() == d_.size());
   const double least = kSentShare * asked.cwiseAbs().maxCoeff();
   for (Eigen::Index i = 0; i < d_.size(); ++i) {

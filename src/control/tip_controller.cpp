@@ -5,9 +5,9 @@ namespace {
 
 ImpedanceGains gains_of(const TipControllerOptions& options) {
   ImpedanceGains gains;
-  gains.mass = options.mass.of(6, "mass");
-  gains.damping = options.damping.of(6, "damping");
-  gains.stiffness = options.stiffness.of(6, "stiffness");
+  gains.mass = options.mass.expand(6, "mass");
+  gains.damping = options.damping.expand(6, "damping");
+  gains.stiffness = options.stiffness.expand(6, "stiffness");
   return gains;
 }
 

@@ -35,7 +35,7 @@ VectorXd standard_torque(const Model& arm, FrictionCompensation& friction) {
   for (Eigen::Index k = 0; k < motion.rows(); ++k) {
     state.update(motion.q.row(k).transpose(), motion.dq.row(k).transpose());
     VectorXd tau = state.mass_matrix() * motion.ddq.row(k).transpose() + state.bias();
-    friction.locate(state);
+    friction.set_axis_states(state);
     for (int a = 0; a < friction.axes(); ++a) {
       const double v = friction.axis(a).dot(state.dq());
       tau += friction.sliding(a, v < 0.0 ? -1.0 : 1.0, v) * friction.axis(a);
@@ -92,7 +92,7 @@ void TorqueUncertainty::read_identified(const Model& arm) {
 }
 
 void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
-  friction_.locate(arm);
+  friction_.set_axis_states(arm);
   const double moving = std::min(1.0, options_.relative * options_.deviations / 3.0);
   for (int k = 0; k < friction_.axes(); ++k) {
     double v = 0.0;

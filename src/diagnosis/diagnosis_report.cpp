@@ -340,7 +340,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("  without excluded rows", extended.test_without_excluded.relative);
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
-  line(floor_name(baseline), baseline.noise_floor);
+  line(noise_floor_label(baseline), baseline.noise_floor);
   if (has_answer()) out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
   for (const JointVerdict& v : joints) out += has_answer() ? joint_text(*this, v) : "";
   if (!friction.empty()) out += friction_table(*this);

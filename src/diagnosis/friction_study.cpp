@@ -41,7 +41,7 @@ Travel travel_of(const Model& arm, const std::vector<Recording>& recordings) {
       }
     }
     const Coordinate& c = arm.coordinates()[i];
-    if (travels(low, high, c.prismatic)) {
+    if (travels_far_enough(low, high, c.prismatic)) {
       out.moving.push_back(i);
     } else {
       out.held[c.name] = rounded_hold_position(count > 0.0 ? sum / count : 0.0, c.prismatic);

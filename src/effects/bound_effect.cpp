@@ -89,7 +89,7 @@ BoundEffect::BoundEffect(const Model& arm, const EffectTerm& term)
   require_known_keys(term, where, shapes, parameters_);
   for (size_t i = 0; i < shapes.size(); ++i) {
     const EffectShape& s = shapes[i];
-    shape_[i] = s.start(type_);
+    shape_[i] = s.initial_value(type_);
     const auto given = term.values.find(s.name);
     if (given == term.values.end()) continue;
     shape_[i] = given->second;

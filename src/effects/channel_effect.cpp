@@ -20,7 +20,7 @@ void SensorError::apply(ModelDescription& arm, std::optional<JointIndex> joint, 
                         const std::vector<double>& values) const {
   for (size_t i = 0; i < arm.coordinates.size(); ++i) {
     if (!joint || static_cast<int>(i) == joint->value)
-      change(arm.coordinates[i].recorded, from, values);
+      add_to_channel(arm.coordinates[i].recorded, from, values);
   }
 }
 

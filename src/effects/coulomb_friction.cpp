@@ -47,7 +47,7 @@ class CoulombFriction final : public AxisEffect, public WrittenInC {
     std::string out = parameter_text(*this, values, 0, type) + " of Coulomb friction";
     if (shape[0] > 0.0)
       out += " with a smooth step, over " +
-             quantity(2.0 / shape[0], type == JointType::kPrismatic ? "m/s" : "rad/s");
+             text_with_unit(2.0 / shape[0], type == JointType::kPrismatic ? "m/s" : "rad/s");
     return out;
   }
 };

@@ -44,7 +44,7 @@ std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisM
     case ShapeScale::kMiddle:
       return {{motion.middle}};
     case ShapeScale::kWaves:
-      return motion.waves ? *motion.waves : std::vector<double>{shape.start(motion.type)};
+      return motion.waves ? *motion.waves : std::vector<double>{shape.initial_value(motion.type)};
     case ShapeScale::kAbsolute:
       return shape.grid;
     case ShapeScale::kTravel:
@@ -52,7 +52,7 @@ std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisM
     case ShapeScale::kSpeed:
       return scaled(shape.grid, motion.speed);
     case ShapeScale::kDuration: {
-      if (motion.duration <= 0.0) return {{shape.start(motion.type)}};
+      if (motion.duration <= 0.0) return {{shape.initial_value(motion.type)}};
       std::vector<double> out = scaled(shape.grid, motion.duration);
       for (double& value : out) value = std::max(value, shape.lower);
       return out;
@@ -66,7 +66,7 @@ std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisM
 
 }  // namespace
 
-double EffectShape::start(JointType type) const {
+double EffectShape::initial_value(JointType type) const {
   return type == JointType::kPrismatic && initial_prismatic != 0.0 ? initial_prismatic : initial;
 }
 

@@ -37,8 +37,8 @@ class EncoderOffset final : public SensorError {
     motion.bodies.torques(q, motion.dq, motion.ddq, motion.phi, above);
     return {(below - above) / (2.0 * kStep)};
   }
-  void change(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
-              const std::vector<double>& values) const override {
+  void add_to_channel(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
+                      const std::vector<double>& values) const override {
     shown.position_offset += values[0];
   }
   bool may_begin_suddenly() const override { return true; }

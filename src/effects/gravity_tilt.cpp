@@ -55,7 +55,7 @@ class GravityTilt final : public ArmEffect {
   void change(ModelDescription& arm, const std::vector<double>& values) const override {
     arm.gravity += change_of_gravity(arm.gravity, values[0], values[1]);
   }
-  std::vector<std::vector<double>> far_values() const override {
+  std::vector<std::vector<double>> further_start_values() const override {
     return {{kHalfTurn, 0.0}, {0.5 * kHalfTurn, 0.0}, {-0.5 * kHalfTurn, 0.0}, {0.0, 0.5 * kHalfTurn}, {0.0, -0.5 * kHalfTurn}};
   }
   // Solves R' g = Rx(-roll) Ry(-pitch) g: the first component of both sides gives two pitches, the others the

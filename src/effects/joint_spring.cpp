@@ -63,7 +63,7 @@ class JointSpring final : public AxisEffect, public WrittenInC {
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {
     const std::string stiffness =
-        shape[0] == 0.0 ? parameter_text(*this, values, 0, type) : quantity(values[0], "N/m");
+        shape[0] == 0.0 ? parameter_text(*this, values, 0, type) : text_with_unit(values[0], "N/m");
     return "a spring of " + stiffness;
   }
 };

@@ -43,7 +43,7 @@ class LoadDependentFriction final : public AxisEffect, public WrittenInC {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {
-    return "friction of " + quantity(100.0 * values[0], "%") + " of the " + effort_word(type) +
+    return "friction of " + text_with_unit(100.0 * values[0], "%") + " of the " + effort_word(type) +
            " that it carries";
   }
 };

@@ -24,7 +24,7 @@ bool accepts_prefix(const std::string& unit) {
 
 }  // namespace
 
-std::string quantity(double value, const std::string& unit) {
+std::string text_with_unit(double value, const std::string& unit) {
   if (unit == "1") return two_digits(value);
   const bool small = value != 0.0 && std::abs(value) < kSmall;
   if (small && unit == "kg") return two_digits(1e3 * value) + " g";
@@ -35,18 +35,18 @@ std::string quantity(double value, const std::string& unit) {
 std::string parameter_text(const Effect& effect, const std::vector<double>& values, size_t p,
                            JointType type) {
   const EffectParameter parameter = effect.parameters()[p];
-  return quantity(values[p], type == JointType::kPrismatic ? parameter.unit_prismatic
-                                                           : parameter.unit_revolute);
+  return text_with_unit(values[p], type == JointType::kPrismatic ? parameter.unit_prismatic
+                                                                 : parameter.unit_revolute);
 }
 
 std::string shape_text(const Effect& effect, const ShapeValues& shape, size_t i, JointType type) {
   const EffectShape constant = effect.shapes()[i];
-  return quantity(shape[i],
-                  type == JointType::kPrismatic ? constant.unit_prismatic : constant.unit_revolute);
+  return text_with_unit(shape[i],
+                        type == JointType::kPrismatic ? constant.unit_prismatic : constant.unit_revolute);
 }
 
 std::string effort_text(double effort, JointType type) {
-  return quantity(effort, type == JointType::kPrismatic ? "N" : "N m");
+  return text_with_unit(effort, type == JointType::kPrismatic ? "N" : "N m");
 }
 
 std::string effort_word(JointType type) {

@@ -21,7 +21,7 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
   }
 }
 
-std::string words(const Effect&, const std::vector<double>& values, const ShapeValues&, JointType type) {
+std::string describe_position_force(const Effect&, const std::vector<double>& values, const ShapeValues&, JointType type) {
   double lowest = 0.0;
   double highest = 0.0;
   constexpr int kPoints = 200;
@@ -68,7 +68,7 @@ const Effect& position_force() {
       [](const AxisSample& x, const ShapeValues& shape, EffectState&, EffectColumns& row) noexcept {
         chebyshev_terms(std::clamp((x.s - shape[0]) / shape[1], -1.0, 1.0), row);
       },
-      nullptr, words}, c_columns);
+      nullptr, describe_position_force}, c_columns);
   return kEffect;
 }
 

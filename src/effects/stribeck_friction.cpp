@@ -30,7 +30,7 @@ const Effect& stribeck_friction() {
       nullptr,
       [](const Effect& e, const std::vector<double>& values, const ShapeValues& shape, JointType type) {
         return parameter_text(e, values, 0, type) + " of extra friction near rest, gone above about " +
-               quantity(2.0 * shape[0], type == JointType::kPrismatic ? "m/s" : "rad/s");
+               text_with_unit(2.0 * shape[0], type == JointType::kPrismatic ? "m/s" : "rad/s");
       }},
       {"@direction(ds) * exp(-(ds / #0) * (ds / #0))"});
   return kEffect;

@@ -35,8 +35,8 @@ class TimeDelay final : public TorqueChannel {
     return "a recorded torque that comes " + digits(1e3 * std::abs(values[0]), 2) + " ms too " +
            (values[0] > 0.0 ? "late" : "early");
   }
-  void change(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
-              const std::vector<double>& values) const override {
+  void add_to_channel(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
+                      const std::vector<double>& values) const override {
     shown.torque_delay += values[0];
   }
 };

@@ -37,8 +37,8 @@ class TorqueCrosstalk final : public SensorError {
                      JointType /*type*/) const override {
     return "a recorded torque that contains " + digits(values[0], 3) + " times the torque";
   }
-  void change(RecordedChannel& shown, std::optional<JointIndex> from,
-              const std::vector<double>& values) const override {
+  void add_to_channel(RecordedChannel& shown, std::optional<JointIndex> from,
+                      const std::vector<double>& values) const override {
     shown.torque_crosstalk[from->value] += values[0];
   }
 };

@@ -39,8 +39,8 @@ class TorqueGain final : public TorqueChannel {
     return "a recorded torque that is " + digits(100.0 * std::abs(values[0]), 2) + " % too " +
            (values[0] > 0.0 ? "large" : "small");
   }
-  void change(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
-              const std::vector<double>& values) const override {
+  void add_to_channel(RecordedChannel& shown, std::optional<JointIndex> /*from*/,
+                      const std::vector<double>& values) const override {
     shown.torque_gain *= std::max(1.0 + values[0], kLeastFactor);
   }
   bool scales_torque() const override { return true; }

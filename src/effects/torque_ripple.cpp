@@ -29,7 +29,7 @@ const Effect& torque_ripple() {
       nullptr,
       [](const Effect&, const std::vector<double>& values, const ShapeValues& shape, JointType type) {
         const std::string ripple = "a ripple of " + effort_text(std::hypot(values[0], values[1]), type);
-        return type == JointType::kPrismatic ? ripple + ", one wave every " + quantity(2.0 * M_PI / shape[0], "m")
+        return type == JointType::kPrismatic ? ripple + ", one wave every " + text_with_unit(2.0 * M_PI / shape[0], "m")
                                              : ripple + ", " + digits(shape[0], 5) + " waves per turn";
       }},
       {"cos(#0 * s)", "sin(#0 * s)"});

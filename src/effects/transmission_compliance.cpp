@@ -54,7 +54,7 @@ const Effect& transmission_compliance() {
       nullptr,
       [](const Effect&, const std::vector<double>& values, const ShapeValues&, JointType) {
         if (values[0] == 0.0) return std::string("a rigid transmission");
-        return "an elastic transmission: a resonance near " + quantity(0.5 / (M_PI * std::sqrt(std::abs(values[0]))), "Hz") +
+        return "an elastic transmission: a resonance near " + text_with_unit(0.5 / (M_PI * std::sqrt(std::abs(values[0]))), "Hz") +
                (values[0] > 0.0 ? ", measured on the link" : ", measured on the motor");
       }});
   return kEffect;

@@ -179,9 +179,9 @@ class Design {
     VectorXd x{};
     double cost = kInfinity;
   };
-  Candidate polished(Candidate best, int start, Found& found) const;
+  Candidate polished_with_base_choice(Candidate best, int start, Found& found) const;
   Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
-  Candidate widened(Candidate best, Found& found) const;
+  Candidate widen_joint_ranges(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;
   // True for the criteria that need every joint to use its range.
   bool uses_whole_range() const {
@@ -220,7 +220,7 @@ std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorX
 }
 
 // Alternates between the choice of base columns for the motion and a final descent with them.
-Design::Candidate Design::polished(Candidate best, int start, Found& found) const {
+Design::Candidate Design::polished_with_base_choice(Candidate best, int start, Found& found) const {
   best.cost = cost(*best.asked, best.x);
   for (int round = 0; round < kRounds && best.x.size() > 0 && !stopped(); ++round) {
     const std::vector<int> columns = best_choice(best.asked->exact.base(), best.x);
@@ -247,7 +247,7 @@ Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int 
   found = MotionSearch(space_, signals_, asked->question, options_, solver_, progress_).run(start);
   Candidate best{asked};
   for (const VectorXd& end : found.ends) {
-    Candidate next = polished({asked, end}, start, found);
+    Candidate next = polished_with_base_choice({asked, end}, start, found);
     if (best.x.size() == 0 || next.cost < best.cost) best = std::move(next);
   }
   progress_.report_ended_search(start);
@@ -261,7 +261,7 @@ double Design::share_of_range(const VectorXd& x, int joint) const {
 
 // The best motion in which joints with a small range get a larger one, beginning with the least used joint;
 // joints that the limits block keep their range.
-Design::Candidate Design::widened(Candidate best, Found& found) const {
+Design::Candidate Design::widen_joint_ranges(Candidate best, Found& found) const {
   if (!uses_whole_range() || best.x.size() == 0) return best;
   std::vector<int> order;
   for (int i = 0; i < space_.joints(); ++i) {
@@ -414,7 +414,7 @@ Excitation Design::run() {
       std::min_element(ends.begin(), ends.end(),
                        [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
   Found& of_last = found[first - ends.begin()];
-  Candidate last = widened(*first, of_last);
+  Candidate last = widen_joint_ranges(*first, of_last);
   // Another start may have a better motion with large ranges.
   for (const Candidate& other : ends) {
     const bool wide = uses_whole_range() && other.x.size() > 0 && uses_range_on_all_joints(other.x);

@@ -75,7 +75,7 @@ MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eige
 
 // The pass at one speed with the largest displacement that fits into `room`, which has the sign of the
 // direction; empty if none fits.
-std::vector<Part> fitted(double speed, double room, double acceleration) {
+std::vector<Part> longest_pass(double speed, double room, double acceleration) {
   const double way = kRoom * std::abs(room);
   // The largest acceleration of a ramp is 1.5 times its speed over its duration.
   const double ramp = std::max(kShortestRamp, 1.5 * speed / acceleration);
@@ -99,7 +99,7 @@ MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest,
       const double speed = limits.velocity[i] * kSlowest * std::pow(kFastest / kSlowest, share);
       double room = above > -below ? above : below;
       for (int halving = 0; halving <= kHalvings; ++halving, room *= 0.5) {
-        const std::vector<Part> parts = fitted(speed, room, limits.acceleration[i]);
+        const std::vector<Part> parts = longest_pass(speed, room, limits.acceleration[i]);
         if (parts.empty()) break;
         const MotionSamples one = sampled(parts, rest, i, rate);
         if (!keeps(one)) continue;

@@ -56,7 +56,7 @@ class Comparison {
   }
 
   // Index in `recordings` of the one without which the others are fitted best.
-  size_t odd_one(const std::vector<size_t>& recordings) const {
+  size_t outlier_recording(const std::vector<size_t>& recordings) const {
     std::vector<SquareRootInformation> each;
     for (const size_t r : recordings) each.push_back(weighted_total(all_[r], weights_, columns_));
     const MatrixXd without = solutions_without(each);
@@ -121,7 +121,7 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
   for (size_t r = 0; r < id.factors.size(); ++r) all.push_back(r);
   std::vector<size_t> alike = all;
   while (alike.size() > 1 && comparison.differ(alike, alike)) {
-    const auto at = alike.begin() + static_cast<long>(comparison.odd_one(alike));
+    const auto at = alike.begin() + static_cast<long>(comparison.outlier_recording(alike));
     odd.push_back(*at);
     alike.erase(at);
   }

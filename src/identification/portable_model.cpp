@@ -78,10 +78,10 @@ BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prio
   if (prior) {
     const int there = prior->find_frame(arm.frames()[frame].name);
     const std::optional<Body> body = there >= 0 ? prior->frames()[there].body : std::nullopt;
-    if (body && usable(body->phi)) return {with_size(*body->phi, kSmallestRadius)};
+    if (body && usable(body->phi)) return {with_minimum_radius(*body->phi, kSmallestRadius)};
   }
   const Body& own = *arm.frames()[frame].body;
-  if (usable(own.prior)) return {with_size(*own.prior, kSmallestRadius)};
+  if (usable(own.prior)) return {with_minimum_radius(*own.prior, kSmallestRadius)};
   return {rod_body(arm, frame), false};
 }
 
@@ -301,7 +301,7 @@ Model with_sizes_of_points(const Model& arm) {
     InertialParameters& phi = *frame.body->phi;
     const Eigen::Matrix4d J = pseudo_inertia(phi);
     const double spread = (J.topLeftCorner<3, 3>() - J.topRightCorner<3, 1>() * J.topRightCorner<3, 1>().transpose() / phi[0]).norm();
-    if (spread < phi[0] * kPointRadius * kPointRadius) phi = with_size(phi, kPointRadius);
+    if (spread < phi[0] * kPointRadius * kPointRadius) phi = with_minimum_radius(phi, kPointRadius);
   }
   return Model(std::move(d));
 }

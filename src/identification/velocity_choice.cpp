@@ -45,7 +45,7 @@ VectorXd log_training_errors(const Identification& id) {
   return logarithm(error.relative);
 }
 
-VectorXd fall_of_errors(const Identification& before, const Identification& after) {
+VectorXd decrease_of_errors(const Identification& before, const Identification& after) {
   return (log_training_errors(before) - log_training_errors(after))
       .cwiseMin(logarithm(before.train_error.relative) - logarithm(after.train_error.relative));
 }
@@ -56,7 +56,7 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
   for (int round = 0; round < 2 && !candidates.empty(); ++round) {
     Identification derived = refit(candidates);
     if (!derived.model) break;
-    const VectorXd gain = fall_of_errors(before, derived);
+    const VectorXd gain = decrease_of_errors(before, derived);
     std::set<int> better;
     for (const int j : candidates) {
       if (gain[j] > least) better.insert(j);

@@ -17,7 +17,7 @@ VectorXd log_training_errors(const Identification& id);
 
 /// Decrease of log_training_errors() (n), on the fitted rows or on the rows as recorded, whichever is smaller:
 /// across late rows that are not repaired, the derivative of the position may be worse.
-VectorXd fall_of_errors(const Identification& before, const Identification& after);
+VectorXd decrease_of_errors(const Identification& before, const Identification& after);
 
 /// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
 struct VelocityChoice {

@@ -169,7 +169,7 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
 }
 
 void SquareRootInformation::merge(const SquareRootInformation& other, double weight) {
-  const std::vector<int> place = places_of(other);
+  const std::vector<int> place = column_indices_of(other);
   if (std::count(place.begin(), place.end(), -1) > 0) {
     std::vector<std::string> all = columns();
     for (size_t j = 0; j < place.size(); ++j)
@@ -182,7 +182,7 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
 }
 
 // Index in this factor of every column of another one; -1 if this one does not have it.
-std::vector<int> SquareRootInformation::places_of(const SquareRootInformation& other) const {
+std::vector<int> SquareRootInformation::column_indices_of(const SquareRootInformation& other) const {
   std::vector<int> place(static_cast<size_t>(other.size()), -1);
   if (columns_ == other.columns_ || columns() == other.columns()) {
     std::iota(place.begin(), place.end(), 0);
@@ -198,7 +198,7 @@ std::vector<int> SquareRootInformation::places_of(const SquareRootInformation& o
 }
 
 void SquareRootInformation::merge_known(const SquareRootInformation& other, double weight) {
-  const std::vector<int> place = places_of(other);  // indices of its columns in this factor
+  const std::vector<int> place = column_indices_of(other);  // indices of its columns in this factor
   const Eigen::Index count = other.stored_rows();
   rows_ += other.rows_;
   rho2_ += weight * weight * other.rho2_;

@@ -44,7 +44,7 @@ Eigen::Index onset_of(const VectorXd& time, const VectorXd& q, const Ramp& ramp,
   return k;
 }
 
-Eigen::Index after_leaps(const VectorXd& time, const VectorXd& tau, const Ramp& ramp) {
+Eigen::Index row_after_last_leap(const VectorXd& time, const VectorXd& tau, const Ramp& ramp) {
   const double leap = kLeapShare * std::abs(effort_at(time, tau, ramp.onset));
   Eigen::Index before = ramp.onset;
   for (Eigen::Index k = ramp.onset; k > ramp.rest; --k) {
@@ -103,7 +103,7 @@ std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, cons
     Ramp ramp{start, k, k + 1};
     while (ramp.end < rows && !jumps(ramp.end)) ++ramp.end;
     ramp.onset = onset_of(time, q, ramp, k, limit.speed);
-    if (ramp.onset < ramp.end) ramp.rest = after_leaps(time, tau, ramp);
+    if (ramp.onset < ramp.end) ramp.rest = row_after_last_leap(time, tau, ramp);
     if (is_ramp(joint, time, q, tau, ramp, limit)) ramps.push_back(ramp);
     start = k;
   }

@@ -48,7 +48,7 @@ bool same_speed(double a, double b) {
   return std::abs(a - b) <= kBand * std::max(std::abs(a), std::abs(b));
 }
 
-bool travels(double from, double to, bool prismatic) {
+bool travels_far_enough(double from, double to, bool prismatic) {
   return to - from >= (prismatic ? kTravelSlide : kTravelTurn);
 }
 

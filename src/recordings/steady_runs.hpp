@@ -22,7 +22,7 @@ bool same_speed(double a, double b);
 
 /// True if a joint travels far enough for its friction to be measured: 20 mrad or 2 mm. A held
 /// joint yields by less than that while its neighbours accelerate.
-bool travels(double from, double to, bool prismatic);
+bool travels_far_enough(double from, double to, bool prismatic);
 
 /// Position at which a joint that does not travel is held, rounded to 10 mrad or 1 mm: an axis
 /// tilted by less would add an unidentifiable parameter.

@@ -101,7 +101,7 @@ class Injector {
     if (const auto* sensor = dynamic_cast<const SensorError*>(&channel)) {
       for (size_t i = 0; i < shown_.size(); ++i) {
         if (!cause.joint || static_cast<int>(i) == cause.joint->value)
-          sensor->change(shown_[i], from, parameters);
+          sensor->add_to_channel(shown_[i], from, parameters);
       }
     } else {
       ModelDescription arm = out_.arm.description();

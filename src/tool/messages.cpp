@@ -129,7 +129,7 @@ void explain_refusal(const std::string& file, const std::string& sentence) {
   reasons().emplace(file, sentence);
 }
 
-std::string with_reason(const std::string& refusal) {
+std::string with_registered_reason(const std::string& refusal) {
   for (const auto& [file, sentence] : reasons()) {
     if (refusal.rfind(file + ": ", 0) == 0) return refusal + " " + sentence;
   }

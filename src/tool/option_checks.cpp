@@ -6,7 +6,7 @@
 
 namespace veridyn::cli {
 
-void expect_needs(const CLI::App& command, const std::vector<OptionNeed>& needs) {
+void expect_prerequisites(const CLI::App& command, const std::vector<OptionNeed>& needs) {
   for (const OptionNeed& need : needs) {
     if (!need.met && command.count(need.option) > 0)
       throw CLI::ValidationError(need.option,

@@ -58,7 +58,7 @@ std::string matching_argument(const PackageCommand& row, const std::vector<std::
   return {};
 }
 
-[[noreturn]] void become(const std::string& program, const std::vector<std::string>& arguments) {
+[[noreturn]] void replace_process(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<std::string> words = {program, "--as"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -119,7 +119,7 @@ std::optional<int> pass_to_package(const std::vector<std::string>& arguments) {
         return kWrongUsage;
       }
     }
-    if (!program.empty()) become(program, call);
+    if (!program.empty()) replace_process(program, call);
     if (help) continue;
     print_message("'" + row.command + (word.empty() ? "" : " " + word) + "' needs the package " + row.package + ": found no program " +
         row.program + " beside veridyn or on the path; build it with `make all`, or install the package.");

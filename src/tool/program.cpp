@@ -53,7 +53,7 @@ int run_and_report_errors(const Work& work) {
     require(static_cast<bool>(std::cout.flush()), "standard output: writing failed.");
     return status;
   } catch (const InvalidInput& error) {
-    print_message(with_reason(error.what()));
+    print_message(with_registered_reason(error.what()));
     // An error that begins with an option is reported as wrong usage: its value was refused after parsing.
     return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
   } catch (const std::bad_alloc&) {
@@ -67,7 +67,7 @@ int run_and_report_errors(const Work& work) {
 
 // Opens the null device in place of a closed standard stream. Otherwise the next file to be opened would get
 // its number and receive the messages for that stream.
-void hold_places_of_closed_streams() {
+void open_null_for_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
@@ -109,7 +109,7 @@ AddCommand package_command(const std::string& command) {
 }
 
 int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
-  hold_places_of_closed_streams();
+  open_null_for_closed_streams();
   handle_truncated_files();
   return run_and_report_errors([&] {
     const Words words(argv + std::min(argc, 1), argv + argc);
@@ -121,7 +121,7 @@ int run_tool(const std::vector<AddCommand>& commands, int argc, char** argv) {
 }
 
 int run_package(const std::vector<AddCommand>& commands, int argc, char** argv) {
-  hold_places_of_closed_streams();
+  open_null_for_closed_streams();
   handle_truncated_files();
   return run_and_report_errors([&] {
     Words words(argv + std::min(argc, 1), argv + argc);

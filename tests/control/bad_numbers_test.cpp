@@ -125,7 +125,7 @@ TEST(BadNumbers, AForceTrackerKeepsItsCorrectionInANonFiniteCycle) {
       const double kept =
           tracker.update(lost == 0 ? kNan : 2.0, reading, lost == 2 ? kNan : 0.0, lost == 3 ? kNan : 0.0);
       EXPECT_EQ(kept, last) << lost;
-      EXPECT_EQ(tracker.hold(2.0, kNan), last) << lost;
+      EXPECT_EQ(tracker.update_without_sensor(2.0, kNan), last) << lost;
     }
   }
 }

@@ -79,8 +79,8 @@ TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
   CooperativeController control(o, kTips);
   CooperativeInput input = at(kTips, 0);
   const Vector3d euler(0.2, -0.3, 0.4);
-  ASSERT_TRUE(control.turn(euler, 0.5));
-  EXPECT_FALSE(control.turn(euler, 0.5));  // one after the other
+  ASSERT_TRUE(control.rotate(euler, 0.5));
+  EXPECT_FALSE(control.rotate(euler, 0.5));  // one after the other
   follow(control, input, 600);
   const Matrix3d R_leader = about(0.4, {0, 0, 1}) * about(-0.3, {0, 1, 0}) * about(0.2, {1, 0, 0});
   const Matrix3d R = o.R_world_arm[0] * R_leader * o.R_world_arm[0].transpose();
@@ -90,7 +90,7 @@ TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
     const Vector3d wanted = kTips[i] + (R - Matrix3d::Identity()) * (-c);
     EXPECT_NEAR((input.position[i] - wanted).norm(), 0.0, 1e-12) << i;
   }
-  ASSERT_TRUE(control.turn({0.0, 0.0, 0.1}, 0.5));  // a second one adds to the first
+  ASSERT_TRUE(control.rotate({0.0, 0.0, 0.1}, 0.5));  // a second one adds to the first
   follow(control, input, 600);
   const Matrix3d R2 =
       o.R_world_arm[0] * about(0.1, {0, 0, 1}) * R_leader * o.R_world_arm[0].transpose();
@@ -102,7 +102,7 @@ TEST(CooperativeController, TargetVelocitiesAndAccelerationsMatchFiniteDifferenc
   CooperativeController control(options(3), kTips);
   CooperativeInput input = at(kTips, 0);
   control.move({0.02, 0.01, -0.01}, 1.0);
-  control.turn({0.3, 0.2, -0.4}, 0.8);
+  control.rotate({0.3, 0.2, -0.4}, 0.8);
   control.move_arm(2, {0.01, 0.0, 0.005}, 0.6);
   std::vector<TipTarget> before, here;
   for (int k = 0; k < 900; ++k) {
@@ -334,7 +334,7 @@ TEST(CooperativeController, ANonFiniteReadingEndsTheTask) {
   number.input.force[0].force = NAN;
   number.control->update(number.input);
   EXPECT_EQ(number.control->state(), CooperativeState::kNotFinite);
-  EXPECT_FALSE(number.control->turn({0.1, 0.0, 0.0}, 1.0));
+  EXPECT_FALSE(number.control->rotate({0.1, 0.0, 0.0}, 1.0));
   EXPECT_FALSE(number.control->expand_grasp(0.001, 1.0));
   EXPECT_FALSE(number.control->move_arm(1, {0.001, 0.0, 0.0}, 1.0));
   EXPECT_FALSE(number.control->track(0, false));
@@ -357,13 +357,13 @@ TEST(CooperativeController, InvalidCommandsLeaveTheTargetsUnchanged) {
   CooperativeController& c = *t.control;
   for (const double time : {0.0, -1.0, static_cast<double>(NAN), HUGE_VAL}) {
     EXPECT_FALSE(c.move({0.01, 0.0, 0.0}, time));
-    EXPECT_FALSE(c.turn({0.1, 0.0, 0.0}, time));
+    EXPECT_FALSE(c.rotate({0.1, 0.0, 0.0}, time));
     EXPECT_FALSE(c.expand_grasp(0.01, time));
     EXPECT_FALSE(c.move_arm(0, {0.01, 0.0, 0.0}, time));
     EXPECT_FALSE(c.set_force(0, 1.0, time));
   }
   EXPECT_FALSE(c.move({NAN, 0.0, 0.0}, 1.0));
-  EXPECT_FALSE(c.turn({0.0, NAN, 0.0}, 1.0));
+  EXPECT_FALSE(c.rotate({0.0, NAN, 0.0}, 1.0));
   EXPECT_FALSE(c.expand_grasp(NAN, 1.0));
   EXPECT_FALSE(c.move_arm(0, {0.0, 0.0, NAN}, 1.0));
   EXPECT_FALSE(c.set_force(0, NAN, 1.0));

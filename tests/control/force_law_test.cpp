@@ -68,7 +68,7 @@ TEST(ForceTracker, TheCorrectionIsTheSumOfItsFourTerms) {
   EXPECT_DOUBLE_EQ(tracker.update(5.0, {3.0, 0.0, 1}, 0.01, kCycle),
                    integral + 0.015 - 0.004 + 0.004);
   EXPECT_DOUBLE_EQ(tracker.velocity(), 0.1 * 2.0);
-  EXPECT_DOUBLE_EQ(tracker.hold(-5.0, 0.01), integral - 0.015 - 0.004);
+  EXPECT_DOUBLE_EQ(tracker.update_without_sensor(-5.0, 0.01), integral - 0.015 - 0.004);
   EXPECT_EQ(tracker.velocity(), 0.0);
 }
 

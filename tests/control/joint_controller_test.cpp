@@ -73,7 +73,7 @@ TEST(JointController, TorqueEqualsThatOfItsComponentsInSequence) {
     input.q_wanted = wanted.q;
     safety.set_holding_torque(error.torque());
     sent = safety.update(state, input, tau);
-    error.sent(tau, sent);
+    error.set_sent_torques(tau, sent);
     sensors.add_torque_errors(sent);
     ASSERT_EQ(controller.update(measured, wanted, kPeriod), sent) << k;
   }
@@ -158,7 +158,7 @@ TEST(JointController, TorqueThatTheMotorsDidNotReceiveIsNoModelError) {
     wanted.q[0] += 0.01;  // the arm stays where it is
     for (int k = 0; k < 200; ++k) {
       controller.update(measured, wanted, kPeriod);
-      if (tells) controller.sent(controller.state().bias());
+      if (tells) controller.set_sent_torques(controller.state().bias());
     }
     observed[tells ? 1 : 0] = controller.cycle().error().torque().norm();
   }
@@ -255,7 +255,7 @@ TEST(Controllers, NoUpdateAllocates) {
       if (k == 50) controller.hold();
       if (k == 80) controller.limp();
       if (k == 120) controller.resume();
-      controller.sent(controller.update(measured, wanted, kPeriod));
+      controller.set_sent_torques(controller.update(measured, wanted, kPeriod));
       if (k < 190) continue;
       faults += controller.fault().has_value();
       controller.reset();

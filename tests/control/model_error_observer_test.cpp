@@ -65,7 +65,7 @@ TEST(ModelErrorObserver, TorqueThatTheMotorsDidNotReceiveIsNoModelError) {
       tau = state.bias() + state.mass_matrix() * y + error.update(state, y, dt);
       sent = tau;
       if (k > 400 && k < 600) sent = state.bias() + 0.5 * (tau - state.bias());
-      if (told) error.sent(tau, sent);
+      if (told) error.set_sent_torques(tau, sent);
       if (k > 400 && k < 600) most = std::max(most, (error.torque() - unknown).norm());
       ASSERT_EQ(plant.step(sent - unknown, dt), StepStatus::kOk);
     }
@@ -87,7 +87,7 @@ TEST(ModelErrorObserver, DoesNotWindUpOnASaturatedMotor) {
   const VectorXd sent = Eigen::Vector3d(1.99, 2, 2);
   for (int k = 0; k < 100; ++k) {
     error.update(state, y, 1e-3);
-    error.sent(asked, sent);
+    error.set_sent_torques(asked, sent);
   }
   EXPECT_LE(error.torque()[0], 0.0);
   EXPECT_GT(error.torque()[1], 0.1);

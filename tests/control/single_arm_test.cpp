@@ -76,7 +76,7 @@ double worst_step(const std::string& engine, const Model& real, const Model& wro
     way.move_to(goal, 1.0);
     for (int k = 0; k < cycles(engine); ++k) {
       way.advance(kPeriod);
-      follow(way, wanted);
+      set_reference_from(way, wanted);
       if (rig.cycle(control.update(read(rig, measured), wanted, kPeriod)) != StepStatus::kOk) return 1e9;
     }
     const Eigen::Vector3d e = goal - rig.engine().q();

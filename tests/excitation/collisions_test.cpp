@@ -179,7 +179,7 @@ TEST(Collisions, GradientsMatchCentralDifferences) {
     one.time = VectorXd::Zero(1);
     one.q = q.transpose();
     one.dq = one.ddq = MatrixXd::Zero(1, 3);
-    return std::make_pair(signals.values(one), signals.slopes(one));
+    return std::make_pair(signals.values(one), signals.derivatives(one));
   };
   RandomNumbers random(7);
   for (int k = 0; k < 40; ++k) {

@@ -264,7 +264,7 @@ TEST(AFleet, EqualsADenseLeastSquaresOfAllArms) {
   SquareRootInformation total({fit.columns().end() - shared, fit.columns().end()});
   std::vector<SquareRootInformation> factors;
   for (const ArmFactor& one : arms) {
-    factors.push_back(fit.of_arm(fit.with_gains(one, {}), weights));
+    factors.push_back(fit.arm_factor(fit.with_gains(one, {}), weights));
     total.merge(fit.shared_information(factors.back()));
   }
   const VectorXd beta = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).solve(total.z());

@@ -47,16 +47,16 @@ TEST(PseudoInertia, EntropicDivergenceIsZeroAtThePriorAndAffineInvariant) {
 TEST(PseudoInertia, APointMassGetsASizeAndALargerBodyIsUnchanged) {
   InertialVector point;
   point << 2.0, 2.0, 4.0, 6.0, 26.0, -4.0, 20.0, -6.0, -12.0, 10.0;  // 2 kg at (1, 2, 3)
-  const InertialVector ball = with_size(point, 0.1);
+  const InertialVector ball = with_minimum_radius(point, 0.1);
   EXPECT_EQ(ball.head<4>(), point.head<4>());
   // Second moments of 2 kg * (0.1 m)^2 along each axis: twice that as every moment of inertia.
   EXPECT_LT((ball - point - 0.04 * (InertialVector::Unit(4) + InertialVector::Unit(6) + InertialVector::Unit(9))).norm(), 1e-10);
-  EXPECT_EQ(with_size(ball, 0.05), ball);
+  EXPECT_EQ(with_minimum_radius(ball, 0.05), ball);
   InertialVector none = point;
   none[0] = 0.0;
-  EXPECT_TRUE(with_size(none, 0.1).isZero(0.0));
+  EXPECT_TRUE(with_minimum_radius(none, 0.1).isZero(0.0));
   none[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(with_size(none, 0.1).isZero(0.0));
+  EXPECT_TRUE(with_minimum_radius(none, 0.1).isZero(0.0));
   EXPECT_EQ(smallest_scaled_eigenvalue(-pseudo_inertia(ball)), -std::numeric_limits<double>::infinity());
 }
 

@@ -94,7 +94,7 @@ MUTANTS = [
     ("identification/velocity_choice.cpp", "reading.first_row = std::max(0L, how.first_row);", "reading.first_row = 0;", ["identification"]),
     ("identification/results/friction_curve.cpp", "kNormal95 * (F.transpose() * columns).norm()", "(F.transpose() * columns).norm()", ["identification"]),
     ("identification/results/friction_curve.cpp", "c * q + effect.term().axis.offset +", "c * q +", ["identification"]),
-    ("identification/drive_gains/gain_data.cpp", "lasting(effect) ? p.name", "true ? p.name", ["identification"]),
+    ("identification/drive_gains/gain_data.cpp", "is_lasting(effect) ? p.name", "true ? p.name", ["identification"]),
     ("identification/fleet/fleet_spreads.cpp", "q.usual > 0.0 ? std::max(1.0, q.uncertain[a] / q.usual) : 1.0", "1.0", ["identification"]),
     ("identification/fleet/fleet_spreads.cpp", "prior.unlike - trigamma(0.5 * freedom)", "prior.unlike", ["identification"]),
     ("identification/fold_errors.cpp", "rest.absorb(anchor, anchor * fitted.parameters);", "", ["identification", "diagnosis"]),

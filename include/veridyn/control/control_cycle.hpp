@@ -96,7 +96,7 @@ class ControlCycle {
   /// Sets the torque of the law (n) [N m], [N].
   void command(const VectorXd& tau) noexcept { tau_ = tau; }
   /// Sets the positions (n) with which the supervisor compares the measured ones in this cycle.
-  void track(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
+  void set_wanted_positions(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
   /// Adds FrictionCompensation::update() with these arguments to the command.
   void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
   /// Adds the torque of ModelErrorObserver to the command; without this call the cycle clears the observer.
@@ -104,19 +104,19 @@ class ControlCycle {
   void add_model_error(const VectorXd& y) noexcept;
   /// Replaces the command of this cycle by gravity compensation and a little damping, so that the arm yields.
   /// Clears the observer.
-  void give_way() noexcept;
+  void command_gravity_compensation() noexcept;
 
   /// Ends a cycle. @returns (n) torques in the scale of the drives, always finite and within limits.
   const VectorXd& send() noexcept;
 
   /// Sets the torques (n) that the drives produced, in their scale. Call it before the next cycle if the result
   /// of send() is limited further.
-  void sent(const VectorXd& drive_torques) noexcept;
+  void set_sent_torques(const VectorXd& drive_torques) noexcept;
 
   /// The supervisor brakes the arm and holds it where it stops, until resume(). Returns false, and does
   /// nothing, during a fault or without a supervisor.
   bool hold() noexcept;
-  /// Calls give_way() in every cycle until resume().
+  /// Calls command_gravity_compensation() in every cycle until resume().
   void limp() noexcept;
   /// Ends hold() and limp(). The reference must then begin at the arm's position.
   void resume() noexcept;

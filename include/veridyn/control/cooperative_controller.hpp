@@ -129,7 +129,7 @@ class CooperativeController {
   bool move(const Eigen::Vector3d& displacement, double duration) noexcept;
   /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes. False
   /// during another rotation.
-  bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
+  bool rotate(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
   /// Moves every follower by `by` [m] away from the centroid: (6.4), with the sign for which positive values pull.
   bool expand_grasp(double by, double duration) noexcept;
   /// Moves one arm relative to the object, for regrasping; in the world [m].
@@ -164,7 +164,7 @@ class CooperativeController {
   Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   double relief_force() const { return options_.relief_force; }
   /// Sets relief_force [N], for example after a pretension was removed; values that are not above zero are ignored.
-  void relieve_beyond(double force) noexcept {
+  void set_relief_force(double force) noexcept {
     if (force > 0.0) options_.relief_force = force;
   }
   bool arrived() const { return centre_.arrived() && angle_.arrived(); }

@@ -69,9 +69,9 @@ class ForceTracker {
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
   /// Freezes x_f and continues the damping term alone: for use without a sensor while targets are held.
-  double hold(double wanted, double rate) noexcept;
+  double update_without_sensor(double wanted, double rate) noexcept;
 
-  double value() const { return value_; }        ///< result of the last update() or hold()
+  double value() const { return value_; }        ///< result of the last update() or update_without_sensor()
   double velocity() const { return velocity_; }  ///< [m/s] derivative of x_f
   const ForceLaw& law() const { return law_; }
 

@@ -71,7 +71,7 @@ class FrictionCompensation {
                          double dt) noexcept;
 
   /// Sets position and load of the axes for sliding() alone; memories and tanks are unchanged.
-  void locate(const ArmState& arm) noexcept;
+  void set_axis_states(const ArmState& arm) noexcept;
 
   /// Clears the memories and fills the tanks.
   void reset() noexcept;
@@ -90,7 +90,7 @@ class FrictionCompensation {
   double scale(int k) const { return axes_[k].scale; }
 
   /// Sliding force of the identified friction along axis k at `speed` in direction +-1, without
-  /// share and scale, at the position of the last update() or locate().
+  /// share and scale, at the position of the last update() or set_axis_states().
   double sliding(int k, double direction, double speed) const noexcept;
 
   /// Compensation along axis k at the last update() [N m], [N].

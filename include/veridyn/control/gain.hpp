@@ -18,7 +18,7 @@ class Gain {
 
   /// The gains (n). @param what  name of the gain, for messages.
   /// @throws InvalidInput  neither one number nor n; a number that is below zero or not finite.
-  VectorXd of(Eigen::Index n, const char* what) const;
+  VectorXd expand(Eigen::Index n, const char* what) const;
 
  private:
   VectorXd values_;

@@ -13,14 +13,14 @@
 namespace veridyn {
 
 /// Sets the reference to the present point of a path.
-inline void follow(const QuinticInterpolator& path, JointReference& reference) noexcept {
+inline void set_reference_from(const QuinticInterpolator& path, JointReference& reference) noexcept {
   reference.q = path.x();
   reference.dq = path.dx();
   reference.ddq = path.ddx();
 }
 
 /// Sets the reference to a row of a motion with velocities and accelerations.
-inline void follow(const MotionSamples& motion, Eigen::Index row, JointReference& reference) noexcept {
+inline void set_reference_from(const MotionSamples& motion, Eigen::Index row, JointReference& reference) noexcept {
   reference.q = motion.q.row(row).transpose();
   reference.dq = motion.dq.row(row).transpose();
   reference.ddq = motion.ddq.row(row).transpose();
@@ -74,8 +74,8 @@ class JointController {
   /// A reference at rest at these measured positions. Allocates.
   JointReference reference_at(const Measured& measured) const;
 
-  /// Calls ControlCycle::sent().
-  void sent(const VectorXd& drive_torques) noexcept { cycle_.sent(drive_torques); }
+  /// Calls ControlCycle::set_sent_torques().
+  void set_sent_torques(const VectorXd& drive_torques) noexcept { cycle_.set_sent_torques(drive_torques); }
 
   bool hold() noexcept { return cycle_.hold(); }   ///< see ControlCycle::hold()
   void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()

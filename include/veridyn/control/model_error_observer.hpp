@@ -18,7 +18,7 @@ struct ModelErrorOptions {
 /// a first-order disturbance observer. It is the same for joint and Cartesian control, with unchanged gains:
 /// it makes ddq = y, and at rest it increases the torque until friction breaks away. Torque that the motors
 /// did not receive (because of limits of motors or boards, or a supervisor that brakes) is no model error;
-/// sent() subtracts it,
+/// set_sent_torques() subtracts it,
 ///
 ///   d <- d + bandwidth * (M(q) (y dt - change of dq) - (asked - sent) dt)
 ///
@@ -28,7 +28,7 @@ struct ModelErrorOptions {
 ///
 ///   ModelErrorObserver error(3, {10.0, limit});
 ///   every cycle: tau += error.update(state, control.acceleration(), 0.001);
-///                error.sent(tau, within_limits);  // if anything limits tau before the motors
+///                error.set_sent_torques(tau, within_limits);  // if anything limits tau before the motors
 class ModelErrorObserver {
  public:
   /// @throws InvalidInput  limits that are not `joints` finite numbers, or one below zero; a
@@ -44,7 +44,7 @@ class ModelErrorObserver {
   /// Call it after update(), again whenever the torques of its cycle are known better.
   /// @param asked  (n) torque that would cause y. @param sent  (n) torque that the motors received, after all
   /// limits. Without a call the two are assumed to be equal.
-  void sent(const VectorXd& asked, const VectorXd& sent) noexcept;
+  void set_sent_torques(const VectorXd& asked, const VectorXd& sent) noexcept;
 
   /// Sets limits for the next update(); false for limits that the constructor would refuse.
   bool set_limit(const VectorXd& limit) noexcept;

@@ -74,7 +74,7 @@ struct ArmAlgorithms {
   // ---- motion and torques ------------------------------------------------------------------------
 
   /// Computes joint variables, sines, cosines and rotations; a null pointer counts as zeros.
-  static void place(const Links& tree, const S* q, const S* dq, const S* ddq, const Memory& at) {
+  static void compute_joint_states(const Links& tree, const S* q, const S* dq, const S* ddq, const Memory& at) {
     if constexpr (!kWide) return joint_pass(tree, q, dq, ddq, {at.state, nullptr});
     if constexpr (kWide) {
       for (int k = 0; k < tree.count; ++k) {
@@ -103,7 +103,7 @@ struct ArmAlgorithms {
     using C = typename ConstantOf<S>::type;
     const Vec3<S> up{S(static_cast<C>(-down.x)), S(static_cast<C>(-down.y)),
                      S(static_cast<C>(-down.z))};
-    place(arm.tree, q, nullptr, nullptr, at);
+    compute_joint_states(arm.tree, q, nullptr, nullptr, at);
     for (int k = 0; k < arm.tree.count; ++k) {
       const Link& link = arm.tree.link[k];
       LinkState<S>& state = at.state[k];
@@ -119,7 +119,7 @@ struct ArmAlgorithms {
   static void inverse_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* ddq,
                                const LinkWrench* external, int externals, S* tau,
                                const Memory& at) {
-    place(arm.tree, q, dq, ddq, at);
+    compute_joint_states(arm.tree, q, dq, ddq, at);
     motion(arm, at);
     for (int e = 0; e < externals; ++e) {
       LinkState<S>& state = at.state[external[e].link];
@@ -130,15 +130,15 @@ struct ArmAlgorithms {
   }
 
   static void mass_matrix(const InertialLinks& arm, const S* q, S* M, const Memory& at) {
-    place(arm.tree, q, nullptr, nullptr, at);
+    compute_joint_states(arm.tree, q, nullptr, nullptr, at);
     mass_of(arm, M, at);
   }
 
-  /// Computes M from the inertias that the links carry (Featherstone, ch. 6.2); needs place().
+  /// Computes M from the inertias that the links carry (Featherstone, ch. 6.2); needs compute_joint_states().
   static void mass_of(const InertialLinks& arm, S* M, const Memory& at) {
     at.world.place(arm.tree, at.state);
     at.world.inertias(arm.tree, arm.inertia);
-    at.world.carry(arm.tree, World::kInertia, World::kMomentum);
+    at.world.sum_over_subtrees(arm.tree, World::kInertia, World::kMomentum);
     mass_pairs(arm.tree, M, at);
   }
 
@@ -166,16 +166,16 @@ struct ArmAlgorithms {
     if (h != nullptr) {
       inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, h, at);
     } else {
-      place(tree, q, dq, nullptr, at);
+      compute_joint_states(tree, q, dq, nullptr, at);
     }
     world.place(tree, at.state);
     world.inertias(tree, arm.inertia);
     world.velocities(tree, dq);
-    world.carry(tree, World::kInertia, World::kWrench);
+    world.sum_over_subtrees(tree, World::kInertia, World::kWrench);
     if (M != nullptr) mass_pairs(tree, M, at);
     if (M == nullptr) world.forces(tree);
     world.changes_by_velocity(tree);
-    matrix<true>(tree, kVelocityUpper, kVelocityLower, 2.0 * scale, D, at);
+    write_pair_matrix<true>(tree, kVelocityUpper, kVelocityLower, 2.0 * scale, D, at);
   }
 
   /// Computes dL/dq = C' dq - g of the Lagrangian L = dq' M dq / 2 - U in O(links). With m, h and the momentum
@@ -185,7 +185,7 @@ struct ArmAlgorithms {
                                   const Memory& at) {
     const Links& tree = arm.tree;
     const Vec3d& g = tree.gravity;
-    place(tree, q, dq, nullptr, at);
+    compute_joint_states(tree, q, dq, nullptr, at);
     for (int k = 0; k < tree.count; ++k) {
       const Link& link = tree.link[k];
       LinkState<S>& state = at.state[k];
@@ -247,9 +247,9 @@ struct ArmAlgorithms {
   static void derivatives(const InertialLinks& arm, const S* q, const S* dq, const S* ddq, S* tau,
                           S* by_q, S* by_dq, S* M, const Memory& at) {
     const Links& tree = arm.tree;
-    place(tree, q, dq, ddq, at);
+    compute_joint_states(tree, q, dq, ddq, at);
     at.world.place(tree, at.state);
-    changes(arm, dq, ddq, at);
+    compute_derivative_terms(arm, dq, ddq, at);
     for (int i = 0; i < tree.joints; ++i) tau[i] = S(0.0);
     for (int k = 0; k < tree.count; ++k) {
       const S effort = at.world.torque(k);
@@ -258,8 +258,8 @@ struct ArmAlgorithms {
       });
     }
     mass_pairs(tree, M, at);
-    matrix<true>(tree, kPositionUpper, kPositionLower, 2.0, by_q, at);
-    matrix<true>(tree, kVelocityUpper, kVelocityLower, 2.0, by_dq, at);
+    write_pair_matrix<true>(tree, kPositionUpper, kPositionLower, 2.0, by_q, at);
+    write_pair_matrix<true>(tree, kVelocityUpper, kVelocityLower, 2.0, by_dq, at);
   }
 
   // ---- forward dynamics --------------------------------------------------------------------------
@@ -297,7 +297,7 @@ struct ArmAlgorithms {
     if (articulated(tree)) {
       at.world.velocities(tree, dq);
       at.world.accelerations(tree, dq, ddq);
-      at.world.carry(tree, World::kWrench, World::kAxis);
+      at.world.sum_over_subtrees(tree, World::kWrench, World::kAxis);
       at.world.articulated_changes(tree);
       for (int g = 0; g < narrow; ++g) {
         at.world.respond_to_motion(tree, g, wide, at.rows + g, at.response);
@@ -313,9 +313,9 @@ struct ArmAlgorithms {
         for (int k = 0; k < tree.count; ++k)
           at.state[k].dds = along_joint(arm.tree, arm.tree.link[k], ddq);
       }
-      changes(arm, dq, ddq, at);
-      rows(tree, kPositionUpper, kPositionLower, 0, at);
-      rows(tree, kVelocityUpper, kVelocityLower, narrow, at);
+      compute_derivative_terms(arm, dq, ddq, at);
+      write_pair_matrix_rows(tree, kPositionUpper, kPositionLower, 0, at);
+      write_pair_matrix_rows(tree, kVelocityUpper, kVelocityLower, narrow, at);
       for (int e = 0; e < n * narrow; ++e) at.inverse[e] = L(0.0);
       for (int i = 0; i < n; ++i) {
         L& unit = at.inverse[i * narrow + i / lanes()];
@@ -325,9 +325,9 @@ struct ArmAlgorithms {
       solve(n, at.matrix, wide, at.rows);
       solve(n, at.matrix, narrow, at.inverse);
     }
-    columns(tree, wide, 0, -2.0, at.rows, by_q, at);
-    columns(tree, wide, narrow, -2.0, at.rows, by_dq, at);
-    columns(tree, narrow, 0, 1.0, at.inverse, by_tau, at);
+    write_by_columns(tree, wide, 0, -2.0, at.rows, by_q, at);
+    write_by_columns(tree, wide, narrow, -2.0, at.rows, by_dq, at);
+    write_by_columns(tree, narrow, 0, 1.0, at.inverse, by_tau, at);
     return true;
   }
 
@@ -371,7 +371,7 @@ struct ArmAlgorithms {
   /// Y, (n x 10 bodies).
   static void regressor(const Links& tree, const S* q, const S* dq, const S* ddq, S* Y,
                         const Memory& at) {
-    place(tree, q, dq, ddq, at);
+    compute_joint_states(tree, q, dq, ddq, at);
     motion({tree, nullptr}, at);
     const int n = tree.joints;
     for (int group = 0; group < groups(n); ++group) {
@@ -476,12 +476,12 @@ struct ArmAlgorithms {
                                                            World::kSpin, World::kAxis};
 
   /// Computes the quantities from which all derivatives of the torques follow; needs World::place().
-  static void changes(const InertialLinks& arm, const S* dq, const S* ddq, const Memory& at) {
+  static void compute_derivative_terms(const InertialLinks& arm, const S* dq, const S* ddq, const Memory& at) {
     const Links& tree = arm.tree;
     at.world.inertias(tree, arm.inertia);
     at.world.velocities(tree, dq);
     at.world.accelerations(tree, dq, ddq);
-    at.world.carry(tree, World::kInertia, World::kAxis);
+    at.world.sum_over_subtrees(tree, World::kInertia, World::kAxis);
     at.world.forces(tree);
     at.world.changes_by_velocity(tree);
     at.world.changes_by_position(tree);
@@ -489,7 +489,7 @@ struct ArmAlgorithms {
 
   static void mass_pairs(const Links& tree, S* M, const Memory& at) {
     at.world.forces(tree);
-    matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
+    write_pair_matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
     if (tree.in_order) return;  // else the triangles are summed in different orders, and M is not exactly symmetric
     const int n = tree.joints;
     for (int i = 0; i < n; ++i) {
@@ -499,29 +499,29 @@ struct ArmAlgorithms {
 
   /// Computes an (n x n) matrix over coordinates, which is a sum over pairs of links.
   template <bool kVectors>
-  static void matrix(const Links& tree, const typename World::Products& upper,
-                     const typename World::Products& lower, double scale, S* to,
-                     const Memory& at) {
+  static void write_pair_matrix(const Links& tree, const typename World::Products& upper,
+                                const typename World::Products& lower, double scale, S* to,
+                                const Memory& at) {
     const S by(static_cast<typename ConstantOf<S>::type>(scale));
-    put<false, kVectors>(tree, upper, lower, by, to, tree.joints, at);
+    write_pair_sums<false, kVectors>(tree, upper, lower, by, to, tree.joints, at);
   }
 
   /// Computes such a matrix by rows of 2 groups(n), beginning at group `first`.
-  static void rows(const Links& tree, const typename World::Products& upper,
-                   const typename World::Products& lower, int first, const Memory& at) {
+  static void write_pair_matrix_rows(const Links& tree, const typename World::Products& upper,
+                                     const typename World::Products& lower, int first, const Memory& at) {
     const int groups_of_row = 2 * groups(tree.joints);
     S* const to = reinterpret_cast<S*>(at.rows + first);
-    put<true, true>(tree, upper, lower, S(1.0), to, groups_of_row * lanes(), at);
+    write_pair_sums<true, true>(tree, upper, lower, S(1.0), to, groups_of_row * lanes(), at);
   }
 
   template <bool kTransposed, bool kVectors>
-  static void put(const Links& tree, const typename World::Products& upper,
-                  const typename World::Products& lower, const S& scale, S* to, int ld,
-                  const Memory& at) {
+  static void write_pair_sums(const Links& tree, const typename World::Products& upper,
+                              const typename World::Products& lower, const S& scale, S* to, int ld,
+                              const Memory& at) {
     if (tree.in_order)
-      return at.world.template pairs<kTransposed, kVectors>(tree, upper, lower, scale, to, ld);
-    at.world.template pairs<kTransposed, kVectors>(tree, upper, lower, scale, at.pairs,
-                                                   at.world.stride);
+      return at.world.template write_pair_products<kTransposed, kVectors>(tree, upper, lower, scale, to, ld);
+    at.world.template write_pair_products<kTransposed, kVectors>(tree, upper, lower, scale, at.pairs,
+                                                                 at.world.stride);
     for (int j = 0; j < tree.joints; ++j) {
       for (int i = 0; i < tree.joints; ++i) to[long{j} * ld + i] = S(0.0);
     }
@@ -551,8 +551,8 @@ struct ArmAlgorithms {
   }
 
   /// Writes n columns of a matrix that is given by rows, times a factor.
-  static void columns(const Links& tree, int width, int first, double by, L* rows, S* to,
-                      const Memory& at) {
+  static void write_by_columns(const Links& tree, int width, int first, double by, L* rows, S* to,
+                               const Memory& at) {
     const int n = tree.joints;
     const S factor(static_cast<typename ConstantOf<S>::type>(by));
     const S* const from = reinterpret_cast<const S*>(rows + first);

@@ -42,7 +42,7 @@ inline void add(const LinkInertia& I, const Posed& T, LinkInertia& to) {
 }
 
 /// Converts phi = [m, h, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz] of InertialParameters.
-inline LinkInertia of_body(const double* phi) {
+inline LinkInertia inertia_from_parameters(const double* phi) {
   const double half = 0.5 * (phi[4] + phi[6] + phi[9]);
   return {phi[0], {phi[1], phi[2], phi[3]}, half - phi[4], -phi[5],
           half - phi[6], -phi[7], -phi[8], half - phi[9]};
@@ -62,7 +62,7 @@ inline void link_inertias(const Links& tree, const double* phi, LinkInertia* out
   for (int b = 0; b < tree.bodies; ++b) {
     const BodyPlace& place = tree.body[b];
     if (place.link < 0) continue;
-    inertia_detail::add(inertia_detail::of_body(phi + 10 * b), place.T_link_body, out[place.link]);
+    inertia_detail::add(inertia_detail::inertia_from_parameters(phi + 10 * b), place.T_link_body, out[place.link]);
   }
   for (int k = tree.count - 1; k >= 0; --k) {
     const Link& link = tree.link[k];

@@ -157,7 +157,7 @@ struct WorldRecursion {
   }
   static constexpr int groups(int count) { return (count + lanes() - 1) / lanes(); }
 
-  /// First array of each quantity; a screw has six, a vector three. Those that carry() sums up over
+  /// First array of each quantity; a screw has six, a vector three. Those that sum_over_subtrees() sums up over
   /// all that a link carries come first.
   enum Quantity : int {
     kInertia = 0,     ///< m, h, second moments
@@ -245,7 +245,7 @@ struct WorldRecursion {
 
   /// The value of x for a link's joint variable. Where every joint has a coordinate of its own, that coordinate
   /// replaces the joint variable, and its coefficient is part of the axis.
-  static S of_joint(const Links& tree, int k, const S* x) {
+  static S joint_value(const Links& tree, int k, const S* x) {
     if (x == nullptr) return S(0.0);
     const Link& link = tree.link[k];
     if (tree.independent) return x[tree.coefficient[link.first_coefficient].coordinate];
@@ -324,7 +324,7 @@ struct WorldRecursion {
   void velocities(const Links& tree, const S* dq) const {
     for (int k = 0; k < tree.count; ++k) {
       const int parent = tree.link[k].parent;
-      const Screw<S> own = of_joint(tree, k, dq) * screw(kAxis, k);
+      const Screw<S> own = joint_value(tree, k, dq) * screw(kAxis, k);
       set(kVelocity, k, parent < 0 ? own : screw(kVelocity, parent) + own);
     }
     for (int g = 0; g < groups(tree.count); ++g) {
@@ -344,8 +344,8 @@ struct WorldRecursion {
     const Screw<S> rest{recursion_detail::zero3<S>(), {S(up.x), S(up.y), S(up.z)}};
     for (int k = 0; k < tree.count; ++k) {
       const int parent = tree.link[k].parent;
-      const Screw<S> own = of_joint(tree, k, ddq) * screw(kAxis, k) +
-                           of_joint(tree, k, dq) * screw(kDrift, k);
+      const Screw<S> own = joint_value(tree, k, ddq) * screw(kAxis, k) +
+                           joint_value(tree, k, dq) * screw(kDrift, k);
       set(kAcceleration, k, (parent < 0 ? rest : screw(kAcceleration, parent)) + own);
     }
     using C = typename ConstantOf<S>::type;
@@ -360,7 +360,7 @@ struct WorldRecursion {
   }
 
   /// Adds the arrays first .. end - 1 of each link to those of its parent.
-  void carry(const Links& tree, int first, int end) const {
+  void sum_over_subtrees(const Links& tree, int first, int end) const {
     for (int k = tree.count - 1; k > 0; --k) {
       const int parent = tree.link[k].parent;
       if (parent < 0) continue;
@@ -368,7 +368,7 @@ struct WorldRecursion {
     }
   }
 
-  // The functions below need the sums of carry().
+  // The functions below need the sums of sum_over_subtrees().
 
   void forces(const Links& tree) const {
     for (int g = 0; g < groups(tree.count); ++g)
@@ -412,8 +412,8 @@ struct WorldRecursion {
   ///
   /// @param to  column by column, `ld` entries apart. kTransposed: row by row.
   template <bool kTransposed, bool kVectors>
-  void pairs(const Links& tree, const Products& upper, const Products& lower, const S& scale,
-             S* to, int ld) const {
+  void write_pair_products(const Links& tree, const Products& upper, const Products& lower, const S& scale,
+                           S* to, int ld) const {
     const int count = tree.count;
     const int width = groups(count);
     for (int fixed = 0; fixed < count; ++fixed) {
@@ -467,7 +467,7 @@ struct WorldRecursion {
 
   // ---- articulated bodies ------------------------------------------------------------------------
 
-  /// Factors the mass matrix of independent joints in O(links); needs inertias() without carry().
+  /// Factors the mass matrix of independent joints in O(links); needs inertias() without sum_over_subtrees().
   /// False if it is not positive definite.
   bool articulate(const Links& tree) const {
     const S none(0.0);
@@ -587,14 +587,14 @@ struct WorldRecursion {
     Screw<L> h = none<L>();
     for (int k = end - 1; k >= 0; --k) {
       const int lane = k - first;
-      x[long{k} * width] = step_up(tree, k, lane, kPosition, f, memory);
-      y[long{k} * width] = step_up(tree, k, lane, kRate, h, other);
+      x[long{k} * width] = pass_wrench_to_parent(tree, k, lane, kPosition, f, memory);
+      y[long{k} * width] = pass_wrench_to_parent(tree, k, lane, kRate, h, other);
     }
     Response r = zero_response();
     Response s = zero_response();
     for (int k = 0; k < tree.count; ++k) {
-      step_out(tree, k, first, end, kPosition, x[long{k} * width], r, memory);
-      step_out(tree, k, first, end, kRate, y[long{k} * width], s, other);
+      pass_acceleration_to_children(tree, k, first, end, kPosition, x[long{k} * width], r, memory);
+      pass_acceleration_to_children(tree, k, first, end, kRate, y[long{k} * width], s, other);
     }
   }
 
@@ -605,10 +605,10 @@ struct WorldRecursion {
     clear_forks(tree, end, memory);
     Screw<L> f = none<L>();
     for (int k = end - 1; k >= 0; --k)
-      x[long{k} * width] = step_up(tree, k, k - first, kTorque, f, memory);
+      x[long{k} * width] = pass_wrench_to_parent(tree, k, k - first, kTorque, f, memory);
     Response r = zero_response();
     for (int k = 0; k < end; ++k)
-      step_out(tree, k, first, end, kTorque, x[long{k} * width], r, memory);
+      pass_acceleration_to_children(tree, k, first, end, kTorque, x[long{k} * width], r, memory);
   }
 
  private:
@@ -636,8 +636,8 @@ struct WorldRecursion {
   /// Passes the wrench f of the links that link k carries on to its parent. @returns the effort of
   /// its joint. @param lane  of this joint, if it is not negative.
   template <typename Cause>
-  L step_up(const Links& tree, int k, int lane, const Cause&, Screw<L>& f,
-            Response* memory) const {
+  L pass_wrench_to_parent(const Links& tree, int k, int lane, const Cause&, Screw<L>& f,
+                          Response* memory) const {
     const Link& link = tree.link[k];
     const Screw<S>& axis = joint[k].axis;
     const Screw<S>& reduced = joint[k].reduced;
@@ -661,8 +661,8 @@ struct WorldRecursion {
 
   /// Computes the acceleration u of joint k, from its effort, and what link k passes on.
   template <typename Cause>
-  void step_out(const Links& tree, int k, int first, int end, const Cause&, L& u, Response& r,
-                Response* memory) const {
+  void pass_acceleration_to_children(const Links& tree, int k, int first, int end, const Cause&, L& u, Response& r,
+                                     Response* memory) const {
     const Link& link = tree.link[k];
     const Screw<S>& axis = joint[k].axis;
     const Screw<S>& reduced = joint[k].reduced;

@@ -85,8 +85,8 @@ class SensorError : public ChannelEffect {
 
   /// Adds the error to the channel of one joint. @param from  the other joint of an error that uses
   /// a source.
-  virtual void change(RecordedChannel& shown, std::optional<JointIndex> from,
-                      const std::vector<double>& values) const = 0;
+  virtual void add_to_channel(RecordedChannel& shown, std::optional<JointIndex> from,
+                              const std::vector<double>& values) const = 0;
 
   /// Adds the error to `recorded` of the coordinates that it concerns.
   void apply(ModelDescription& arm, std::optional<JointIndex> joint, std::optional<JointIndex> from,
@@ -112,7 +112,7 @@ class ArmEffect : public ChannelEffect {
   virtual void change(ModelDescription& arm, const std::vector<double>& values) const = 0;
 
   /// Further starting points of the iteration, for effects that the linearisation at zero does not describe.
-  virtual std::vector<std::vector<double>> far_values() const { return {}; }
+  virtual std::vector<std::vector<double>> further_start_values() const { return {}; }
 
   /// The values that change one arm into the other. @param sum  sum of all successive changes, which is the
   /// default result; override the function if changes do not add.

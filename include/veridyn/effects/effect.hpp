@@ -73,7 +73,7 @@ struct EffectShape {
   std::vector<double> grid{};
 
   /// `initial` or `initial_prismatic`.
-  double start(JointType type) const;
+  double initial_value(JointType type) const;
 };
 
 /// How an axis moves, in recordings or within its limits.

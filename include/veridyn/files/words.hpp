@@ -10,7 +10,7 @@
 namespace veridyn {
 
 /// The text in lower-case letters.
-inline std::string lower(std::string text) {
+inline std::string to_lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }

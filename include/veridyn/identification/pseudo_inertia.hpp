@@ -32,7 +32,7 @@ InertialVector pseudo_inertia_adjoint(const Eigen::Matrix4d& Z);
 
 /// The nearest body of the same mass and centre whose mass has an rms distance of at least `radius`
 /// [m] from its centre along all three axes; zero for zero mass.
-InertialVector with_size(const InertialVector& phi, double radius);
+InertialVector with_minimum_radius(const InertialVector& phi, double radius);
 
 /// The inverse of pseudo_inertia: the ten parameters of a given J (4x4, symmetric).
 InertialVector inertial_parameters(const Eigen::Matrix4d& J);

@@ -39,7 +39,7 @@ struct IdentificationVerdict {
 };
 
 /// "noise floor", or "repetitions differ by" if the repetitions of the motion differ by more than the error of the model.
-const char* floor_name(const Identification& id);
+const char* noise_floor_label(const Identification& id);
 
 /// @param id  result with a model.
 IdentificationVerdict verdict_of(const Identification& id);

@@ -83,7 +83,7 @@ class SquareRootInformation {
   Eigen::Index length_of_row(Eigen::Index i) const { return size() - (is_triangle() ? i : 0); }
   auto row(Eigen::Index i) { return data_.segment(begin_of_row(i), length_of_row(i)); }
   auto row(Eigen::Index i) const { return data_.segment(begin_of_row(i), length_of_row(i)); }
-  std::vector<int> places_of(const SquareRootInformation& other) const;
+  std::vector<int> column_indices_of(const SquareRootInformation& other) const;
 
   Names columns_ = no_names();
   Eigen::RowVectorXd data_;  // row by row: all columns of unfactored rows; of a triangle the columns from the diagonal on

@@ -18,7 +18,7 @@ void print_message(const std::string& line);
 void explain_refusal(const std::string& file, const std::string& sentence);
 
 /// The error message, with the registered reason for its file.
-std::string with_reason(const std::string& refusal);
+std::string with_registered_reason(const std::string& refusal);
 
 /// The arguments as one line that a shell parses into the same arguments.
 std::string command_line(const std::vector<std::string>& words);

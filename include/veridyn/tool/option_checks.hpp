@@ -19,7 +19,7 @@ struct OptionNeed {
 
 /// Rejects options that would have no effect.
 /// @throws CLI::ValidationError  names the first of them and its prerequisite.
-void expect_needs(const CLI::App& command, const std::vector<OptionNeed>& needs);
+void expect_prerequisites(const CLI::App& command, const std::vector<OptionNeed>& needs);
 
 /// Calls make() and reports its error as wrong usage of an option, not as bad input. Files must be read
 /// outside of make().

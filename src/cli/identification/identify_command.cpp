@@ -72,12 +72,12 @@ bool needs_samples(const IdentifyRequest& request) {
 
 void expect_effective_options(const IdentifyRequest& request) {
   const bool feasible = request.options.method == Method::kFeasible;
-  expect_needs(*request.command,
-               {{"--prior", feasible, "--method feasible"},
-                {"--condition", feasible, "--method feasible"},
-                {"--signs", feasible, "--method feasible"},
-                {"--weights", request.options.method != Method::kOls, "a method other than ols"},
-                {"--test-rows", !request.test.empty(), "--test"}});
+  expect_prerequisites(*request.command,
+                       {{"--prior", feasible, "--method feasible"},
+                        {"--condition", feasible, "--method feasible"},
+                        {"--signs", feasible, "--method feasible"},
+                        {"--weights", request.options.method != Method::kOls, "a method other than ols"},
+                        {"--test-rows", !request.test.empty(), "--test"}});
   expect_value(!request.train.empty() || !request.factors.empty(), "--train",
                "found no recording, expected some, or factor files of them after --factors");
   expect_value(!needs_samples(request) || (request.factors.empty() && request.factor_out.empty()), "--method",

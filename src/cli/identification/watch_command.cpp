@@ -279,7 +279,7 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {
-    expect_needs(command, {{"--idle", has_growing_source(*request), "--follow"}});
+    expect_prerequisites(command, {{"--idle", has_growing_source(*request), "--follow"}});
     request->options.learn_more = std::max(request->options.learn_more, request->options.learn);
     outcome.status = run(*request, outcome.command_line);
   });

@@ -165,8 +165,8 @@ void add_export_command(CLI::App& tool, Outcome& outcome, const std::optional<Ex
   command.callback([request, &outcome, &command] {
     const bool urdf_or_sdf = !(request->urdf + request->sdf).empty();
     const bool bodies = urdf_or_sdf || !(request->mjcf + request->report).empty();
-    expect_needs(command, {{"--prior", bodies, "--urdf, --mjcf, --sdf or --report"},
-                           {"--meshes-from", urdf_or_sdf, "--urdf or --sdf"}});
+    expect_prerequisites(command, {{"--prior", bodies, "--urdf, --mjcf, --sdf or --report"},
+                                   {"--meshes-from", urdf_or_sdf, "--urdf or --sdf"}});
     run(*request, outcome.command_line);
   });
 }

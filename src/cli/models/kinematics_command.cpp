@@ -144,11 +144,11 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
   if (asked > 1)
     throw CLI::ValidationError("kinematics", "expected one of --forward, --inverse, --workspace.");
   const Arm arm = read_kinematic_arm(request.robot, request.frame, request.extension);
-  expect_needs(used, {{"--start", !request.inverse.empty(), "--inverse"},
-                      {"--solver", !request.inverse.empty(), "--inverse"},
-                      {"--solver", arm.closed_form || request.solver == "newton",
-                       "the tip of an arm with a closed form, as PSM1"},
-                      {"--jacobian", !request.output.empty(), "-o"}});
+  expect_prerequisites(used, {{"--start", !request.inverse.empty(), "--inverse"},
+                              {"--solver", !request.inverse.empty(), "--inverse"},
+                              {"--solver", arm.closed_form || request.solver == "newton",
+                               "the tip of an arm with a closed form, as PSM1"},
+                              {"--jacobian", !request.output.empty(), "-o"}});
   expect_value(request.start.empty() || static_cast<int>(request.start.size()) == arm.model.joints(),
                "--start", "found ", request.start.size(), " joints, expected the ", arm.model.joints(),
                " of ", arm.model.name());

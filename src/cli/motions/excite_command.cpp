@@ -235,15 +235,15 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     if (done) return *done;
   }
   const bool discriminates = request.options.criterion == ExcitationCriterion::kDiscriminate;
-  expect_needs(*request.command,
-               {{"--between", discriminates || request.command->count("--criterion") == 0,
-                 "--criterion discriminate"},
-                {"--obstacle", !request.spheres.empty(), "--sphere"},
-                {"--shapes", !request.link_radius, "no --link-radius"}});
+  expect_prerequisites(*request.command,
+                       {{"--between", discriminates || request.command->count("--criterion") == 0,
+                         "--criterion discriminate"},
+                        {"--obstacle", !request.spheres.empty(), "--sphere"},
+                        {"--shapes", !request.link_radius, "no --link-radius"}});
   for (const char* option : {"--shapes", "--link-radius", "--floor", "--keep-out"})
-    expect_needs(*request.command, {{option, request.collisions != "off", "--collisions auto"}});
+    expect_prerequisites(*request.command, {{option, request.collisions != "off", "--collisions auto"}});
   for (const char* option : {"--columns", "--given-rate", "--topic", "--map", "--units", "--rows"})
-    expect_needs(*request.command, {{option, !request.given.empty() || !request.noise_of.empty(), "--given or --noise-of"}});
+    expect_prerequisites(*request.command, {{option, !request.given.empty() || !request.noise_of.empty(), "--given or --noise-of"}});
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
   const Model arm = read_robot(request.robot, request.common);
@@ -267,9 +267,9 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     options.keep = [&](int start, const VectorXd& numbers) { searches->keep(start, numbers); };
   }
   if (!made_up_words.empty()) print_message(made_up_words);
-  expect_needs(*request.command,
-               {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
-                 "--sphere, or an arm with collision shapes"}});
+  expect_prerequisites(*request.command,
+                       {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
+                         "--sphere, or an arm with collision shapes"}});
   const std::vector<std::string>& impossible = options.workspace.collisions.impossible;
   if (!impossible.empty()) {
     print_message("the limits cannot be met: " + impossible.front() + " touch at every posture" +

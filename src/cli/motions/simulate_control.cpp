@@ -170,7 +170,7 @@ void check_simulate_request(const SimulateRequest& request) {
   if (motion != request.replay.empty() || (!request.trajectory.empty() && !request.steps.empty()))
     throw CLI::ValidationError("simulate", "expected one of --trajectory, --steps and --replay");
   if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
-  expect_needs(*request.command, simulate_needs(request));
+  expect_prerequisites(*request.command, simulate_needs(request));
   if (!request.gains.empty() && !request.p.empty())
     throw CLI::ValidationError("--gains", "found --kp beside it, expected one of them");
   if (request.p.empty() && (!request.i.empty() || !request.d.empty()))

@@ -144,7 +144,7 @@ bool CooperativeController::move(const Vector3d& displacement, double duration) 
   return centre_.move_to(scratch3_, duration);
 }
 
-bool CooperativeController::turn(const Vector3d& euler, double duration) noexcept {
+bool CooperativeController::rotate(const Vector3d& euler, double duration) noexcept {
   if (!commands_allowed() || !angle_.arrived() || !euler.allFinite() || !(duration > 0.0))
     return false;
   const Eigen::Matrix3d& R_leader = options_.R_world_arm[options_.leader];
@@ -243,7 +243,7 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
     const double planned = u.dot(targets_[to].velocity - targets_[from].velocity);
     const double rate = u.dot(input.velocity[to] - input.velocity[from]) - planned;
     const double x_f = active ? trackers_[k].update(wanted, input.force[k], rate, options_.period)
-                              : trackers_[k].hold(wanted, rate);
+                              : trackers_[k].update_without_sensor(wanted, rate);
     const bool from_gives = m.from != options_.leader;
     const bool to_gives = m.to != options_.leader;
     const double share = from_gives && to_gives ? m.share : 1.0;

@@ -65,7 +65,7 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
   return limited(wanted, rate, answers ? law_.proportional * e : 0.0);
 }
 
-double ForceTracker::hold(double wanted, double rate) noexcept {
+double ForceTracker::update_without_sensor(double wanted, double rate) noexcept {
   velocity_ = 0.0;
   return limited(wanted, rate, 0.0);
 }

@@ -41,7 +41,7 @@ double errors_of(int blocks) {
 
 bool is_tilt(const Term& t) {
   return t.kind == TermKind::kChannel && dynamic_cast<const ArmEffect*>(&find_effect(t.effect.effect)) != nullptr &&
-         !dynamic_cast<const ArmEffect&>(find_effect(t.effect.effect)).far_values().empty();
+         !dynamic_cast<const ArmEffect&>(find_effect(t.effect.effect)).further_start_values().empty();
 }
 
 bool is_factor(const Term& t) {

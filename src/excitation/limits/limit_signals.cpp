@@ -123,7 +123,7 @@ void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& worksp
   }
 }
 
-double LimitSignals::geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
+double LimitSignals::workspace_signal(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
   const Geometry& g = geometries_[k];
   const Eigen::Vector3d p = at.point(g.frame, g.point);
   if (g.kind == Geometry::Kind::kCoordinate) {
@@ -212,7 +212,7 @@ MatrixXd LimitSignals::values(const MotionSamples& motion) const {
   return out;
 }
 
-std::vector<MatrixXd> LimitSignals::slopes(const MotionSamples& motion) const {
+std::vector<MatrixXd> LimitSignals::derivatives(const MotionSamples& motion) const {
   std::vector<MatrixXd> out;
   for (int i = 0; i < joints_ && braking_ > 0.0; ++i) {
     out.push_back(MatrixXd::Zero(motion.rows(), 3 * motion.joints()));

@@ -46,7 +46,7 @@ class LimitSignals {
 
   /// Derivatives of values() with respect to q, dq, ddq of the same row: one matrix (rows x 3 n) for each
   /// signal. The dependence on earlier rows through memories is neglected.
-  std::vector<MatrixXd> slopes(const MotionSamples& motion) const;
+  std::vector<MatrixXd> derivatives(const MotionSamples& motion) const;
 
  private:
   void add_stops(const MotionLimits& joints);
@@ -55,7 +55,7 @@ class LimitSignals {
   std::optional<FrameIndex> frame_index(const Model& arm, const std::string& name) const;
   MatrixXd torques(const MotionSamples& motion) const;
   void torque_derivatives(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const;
-  double geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
+  double workspace_signal(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
 
   // A geometric signal and the points that it measures.
   struct Geometry {
@@ -67,7 +67,7 @@ class LimitSignals {
 
   double gap(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
   double geometric(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
-    return k < geometries_.size() ? geometry(at, k, slope) : gap(at, k - geometries_.size(), slope);
+    return k < geometries_.size() ? workspace_signal(at, k, slope) : gap(at, k - geometries_.size(), slope);
   }
   size_t geometric_count() const { return geometries_.size() + gaps_.size(); }
 

@@ -46,7 +46,7 @@ int MotionSearch::expected_iterations(const ExcitationOptions& options) {
          kFollowed * descents * options.iterations;
 }
 
-MotionSearch::Bounds MotionSearch::allowed() const {
+MotionSearch::Bounds MotionSearch::signal_bounds() const {
   const int n = space_.joints();
   Bounds out{VectorXd(signals_.count()), VectorXd(signals_.count())};
   for (int k = 0; k < signals_.count(); ++k) {
@@ -155,7 +155,7 @@ VectorXd MotionSearch::projected_into_limits(const VectorXd& from, const Bounds&
 
 bool MotionSearch::tighten_bounds(const VectorXd& x, Bounds& bounds) const {
   bool crossed = false;
-  const Bounds wide = allowed();
+  const Bounds wide = signal_bounds();
   const std::vector<LimitMargin> margins = limit_margins(signals_, space_.trajectory(x));
   for (int k = 3 * space_.joints(); k < signals_.count(); ++k) {
     const auto m = std::find_if(margins.begin(), margins.end(), [&](const LimitMargin& margin) {
@@ -172,12 +172,12 @@ bool MotionSearch::tighten_bounds(const VectorXd& x, Bounds& bounds) const {
   return crossed;
 }
 
-VectorXd MotionSearch::follow(VectorXd x, int start, Found& found) const {
-  Bounds bounds = allowed();
+VectorXd MotionSearch::track_minimum(VectorXd x, int start, Found& found) const {
+  Bounds bounds = signal_bounds();
   VectorXd good = is_within(x, bounds) ? fitted_to_joints(space_, x) : VectorXd();
   const auto accept = [&](const VectorXd& next) {
     x = next;
-    if (!is_within(x, allowed())) return false;
+    if (!is_within(x, signal_bounds())) return false;
     good = x;
     return true;
   };
@@ -205,7 +205,7 @@ VectorXd MotionSearch::follow(VectorXd x, int start, Found& found) const {
 
 Found MotionSearch::run(int start) const {
   Found found;
-  const Bounds bounds = allowed();
+  const Bounds bounds = signal_bounds();
   std::vector<VectorXd> from = draw(start, bounds, found);
   found.nearest = from.front();
   if (options_.solver == ExcitationSolver::kRandom) {
@@ -214,7 +214,7 @@ Found MotionSearch::run(int start) const {
   }
   from = descents(from, bounds, start, found);
   for (const VectorXd& x : from) {
-    const VectorXd end = follow(x, start, found);
+    const VectorXd end = track_minimum(x, start, found);
     if (end.size() > 0) found.ends.push_back(end);
   }
   return found;
@@ -226,10 +226,10 @@ VectorXd MotionSearch::polished(const VectorXd& from, int start, Found& found) c
   const bool condition = question_.criterion == ExcitationCriterion::kCondition;
   if (random || over || !condition) return {};
   const Descent descent{kLastSharpness, options_.iterations};
-  const VectorXd next = descend(from, allowed(), descent, start, found);
+  const VectorXd next = descend(from, signal_bounds(), descent, start, found);
   if (next.size() == 0) return {};
   const VectorXd fitted = fitted_to_joints(space_, next);
-  return is_within(fitted, allowed()) ? fitted : VectorXd();
+  return is_within(fitted, signal_bounds()) ? fitted : VectorXd();
 }
 
 VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joints, const MotionLimits& limits,
@@ -254,13 +254,13 @@ VectorXd MotionSearch::widened(const VectorXd& from, const std::vector<int>& joi
   // Descends from the unchanged motion and from the widened one, which may lead to different optima.
   VectorXd best;
   for (const VectorXd& start : {from, fitted_to_joints(space_, x)}) {
-    Bounds inside = allowed();
+    Bounds inside = signal_bounds();
     VectorXd at = start;
     for (int round = 0; round <= kNarrowings; ++round) {
       const VectorXd next = descend(at, inside, descent, 0, found);
       if (next.size() == 0) break;
       at = fitted_to_joints(space_, next);
-      if (!is_within(at, allowed())) {
+      if (!is_within(at, signal_bounds())) {
         tighten_bounds(at, inside);
         continue;
       }

@@ -45,7 +45,7 @@ class MotionSearch {
   struct Bounds {
     VectorXd lower, upper;  ///< bounds of every signal
   };
-  Bounds allowed() const;
+  Bounds signal_bounds() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
   double smooth_cost(const VectorXd& x, double sharpness) const;
   bool is_within(const VectorXd& x, const Bounds& bounds) const;
@@ -58,7 +58,7 @@ class MotionSearch {
   std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
   std::vector<VectorXd> descents(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
                               Found& found) const;
-  VectorXd follow(VectorXd x, int start, Found& found) const;
+  VectorXd track_minimum(VectorXd x, int start, Found& found) const;
   VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
   VectorXd projected_into_limits(const VectorXd& from, const Bounds& bounds) const;

@@ -123,7 +123,7 @@ SmoothValue Question::smooth(const MatrixXd& gram, double sharpness) const {
   return smooth_condition(gram, norm ? ColumnNorm::kOne : ColumnNorm::kAsTheyAre, sharpness);
 }
 
-double Question::verdict(const MatrixXd& gram) const {
+double Question::exact_criterion(const MatrixXd& gram) const {
   if (criterion == ExcitationCriterion::kAOptimal) return smooth_a_optimality(gram, sizes).value;
   if (criterion == ExcitationCriterion::kDOptimal) return -log_determinant(gram, scale);
   if (criterion == ExcitationCriterion::kDiscriminate)
@@ -144,7 +144,7 @@ MatrixXd Question::exact_gram(const MotionSamples& motion) const {
   return exact->gram(motion, row_weights) / static_cast<double>(motion.rows()) + exact_given;
 }
 
-double Question::cost(const MotionSamples& motion) const { return verdict(exact_gram(motion)); }
+double Question::cost(const MotionSamples& motion) const { return exact_criterion(exact_gram(motion)); }
 
 namespace {
 

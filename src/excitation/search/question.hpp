@@ -49,7 +49,7 @@ struct Question {
   SmoothValue smooth(const MatrixXd& gram, double sharpness) const;
 
   /// The exact criterion from the exact columns' Gram matrix per row.
-  double verdict(const MatrixXd& gram) const;
+  double exact_criterion(const MatrixXd& gram) const;
 
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   ColumnScaling scaling = ColumnScaling::kNorm;

@@ -108,7 +108,7 @@ VectorXd GridConstraints::jacobian(const VectorXd& x) const {
     next += p - 1;
   }
   if (joints_alone) return out;
-  const std::vector<MatrixXd> slopes = signals_.slopes(space_.samples(basis_, x));
+  const std::vector<MatrixXd> slopes = signals_.derivatives(space_.samples(basis_, x));
   next = constant_.size();
   for (const int k : kept_) {
     if (k < 3 * n) continue;

@@ -80,7 +80,7 @@ class CWriter {
     constants();
     write_helpers();
     out_ += functions;
-    for_doubles();
+    write_double_wrappers();
     line("#endif");
     return std::move(out_);
   }
@@ -308,7 +308,7 @@ static double {0}_contact(double s, double distance, double* z) {{
                                 name, arguments("double"), passed);
   }
 
-  void for_doubles() {
+  void write_double_wrappers() {
     line("#ifdef __cplusplus\n/* For C and for whoever loads the compiled file. */");
     out_ += for_doubles_;
     line("#endif\n");

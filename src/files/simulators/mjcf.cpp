@@ -50,7 +50,7 @@ class MjcfWriter {
     pugi::xml_node root = document_.append_child("mujoco");
     set(root, "model", arm_.name());
     if (remarks_.count("") > 0) add_comment(root, remarks_.at(""));
-    losses(root);
+    list_left_out_effects(root);
     pugi::xml_node compiler = root.append_child("compiler");
     set(compiler, "angle", std::string("radian"));
     set(compiler, "inertiafromgeom", std::string("false"));
@@ -74,7 +74,7 @@ class MjcfWriter {
 
  private:
   // Lists the effects that MuJoCo cannot represent.
-  void losses(pugi::xml_node root) const {
+  void list_left_out_effects(pugi::xml_node root) const {
     for (const std::string& one : effects_.left_out) add_comment(root, "left out: " + one);
     for (const Coordinate& c : arm_.coordinates()) {
       if (c.drive_gain != 0.0)

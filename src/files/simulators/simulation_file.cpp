@@ -109,7 +109,7 @@ class UpdatedSimulation {
       const SimpleForce& b = there.along[j];
       const auto one = [&](const char* what, double value, double before) {
         if (std::abs(value - before) <= kSameValue * std::abs(value)) return;
-        if (shared(j) || is_referenced(name, what)) {
+        if (has_coupled_forces(j) || is_referenced(name, what)) {
           out_.left_out.push_back(fmt::format("{} {} of {}, which other parts of the file share", what, value, name));
           return;
         }
@@ -134,7 +134,7 @@ class UpdatedSimulation {
 
   // True if joints that follow the coordinate, or tendons along it, have forces of their own, so that its
   // total force is not the value of one joint.
-  bool shared(int coordinate) const {
+  bool has_coupled_forces(int coordinate) const {
     std::set<std::string> seen;
     for (const EffectTerm& term : in_file_.effects()) {
       const VectorXd& c = term.axis.coefficients;

@@ -28,7 +28,7 @@ class EffectReader {
                 "one of: " + listed(effect_names()));
     }
     term.where = list_item.where();
-    const YamlNode node = list_item.placed(text("effects/", index));
+    const YamlNode node = list_item.with_path(text("effects/", index));
     term.axis.coefficients = VectorXd::Zero(coordinates_.size());
     for (const YamlNode::Entry& entry : node.entries("an effect")) read_effect_key(entry, term);
     if (!node.find("axis") && !node.find("frame") && !may_lack_axis(term.effect)) {
@@ -175,7 +175,7 @@ class ModelReader {
     list_item.allow_keys({"name", "limits", "drive_gain", "drive_gain_std", "recorded"});
     Coordinate c;
     c.name = list_item.at("name").word("the coordinate's name");
-    const YamlNode node = list_item.placed("coordinates/" + c.name);
+    const YamlNode node = list_item.with_path("coordinates/" + c.name);
     c.limits = {-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
     if (const auto limits = node.find("limits")) c.limits = read_limits(*limits);
     if (const auto gain = node.find("drive_gain")) c.drive_gain = gain->number();

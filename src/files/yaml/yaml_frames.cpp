@@ -43,7 +43,7 @@ class FrameReader {
     }
     std::vector<Frame> frames;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      frames.push_back(read_frame(nodes[k].placed("frames/" + names_[k]), static_cast<int>(k)));
+      frames.push_back(read_frame(nodes[k].with_path("frames/" + names_[k]), static_cast<int>(k)));
     }
     return frames;
   }

@@ -133,7 +133,7 @@ YamlNode YamlNode::at(const std::string& key) const {
   return *value;
 }
 
-YamlNode YamlNode::placed(const std::string& place) const {
+YamlNode YamlNode::with_path(const std::string& place) const {
   return {node_, *source_, place};
 }
 

@@ -38,7 +38,7 @@ bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
   if (q.finding == "changed_midway") return true;
   if (q.finding != "gravity") return false;
   if (arm.description().values == RobotValues::kFacts && has_all_values(arm)) return true;
-  const Eigen::Vector3d turned = applied({q}, arm).gravity();
+  const Eigen::Vector3d turned = corrected_arm({q}, arm).gravity();
   return turned.dot(arm.gravity()) > checking::kLeaning * turned.norm() * arm.gravity().norm() && !turned.isZero();
 }
 
@@ -52,7 +52,7 @@ class SetUp {
     RobotAnswers answers = answers_of(out_.arm, name, options_, smallest_error());
     note(answers, name);
     std::vector<RecordingQuestion>& set = answers.set;
-    if (!first_.empty() && !answers.explained && would_mend(first_, out_.arm, name, options_)) set = first_;
+    if (!first_.empty() && !answers.explained && would_explain(first_, out_.arm, name, options_)) set = first_;
     set.erase(std::remove_if(set.begin(), set.end(), [this](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out_.arm); }), set.end());
     mend(set, name);
     if (!first_.empty()) return;
@@ -62,7 +62,7 @@ class SetUp {
   // Applies the transformations of the training recordings to a held-out recording if they correct it;
   // otherwise reports its contradictions.
   void apply_to_held_out(const std::string& name) {
-    if (!first_.empty() && would_mend(first_, out_.arm, name, options_)) mend(first_, name);
+    if (!first_.empty() && would_explain(first_, out_.arm, name, options_)) mend(first_, name);
     else note(answers_of(out_.arm, name, options_, smallest_error()), name);
   }
 
@@ -97,7 +97,7 @@ class SetUp {
   void mend(const std::vector<RecordingQuestion>& set, const std::string& name) {
     if (set.empty()) return;
     out_.mended = true;
-    if (concern_robot(set)) out_.arm = applied(set, out_.arm);
+    if (any_changes_robot(set)) out_.arm = corrected_arm(set, out_.arm);
     if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return q.changes_recording(); })) return;
     const Recording* there = find_in_memory(options_.in_memory, name);
     Recording recording = there != nullptr ? *there : read_rows(name, recording_options_for(out_.arm, options_), options_.kept.get());

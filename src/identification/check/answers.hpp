@@ -25,7 +25,7 @@ struct RobotAnswers {
 RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error = 0.0);
 
 /// True if these transformations explain the recording, or most of its error.
-bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
+bool would_explain(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
 
 /// If a recording has no torques, computes them from its currents and the drive gains.
 void set_torques_from_currents(const Model& arm, Recording& recording);

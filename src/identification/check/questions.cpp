@@ -581,11 +581,11 @@ std::string options_of(const std::vector<RecordingQuestion>& questions) {
   return out.empty() || other.empty() ? out + other : out + " " + other;
 }
 
-bool concern_robot(const std::vector<RecordingQuestion>& set) {
+bool any_changes_robot(const std::vector<RecordingQuestion>& set) {
   return std::any_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return static_cast<bool>(q.robot); });
 }
 
-Model applied(const std::vector<RecordingQuestion>& set, const Model& arm) {
+Model corrected_arm(const std::vector<RecordingQuestion>& set, const Model& arm) {
   ModelDescription d = arm.description();
   for (const RecordingQuestion& q : set) {
     if (q.robot) q.robot(d);

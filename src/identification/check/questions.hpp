@@ -52,10 +52,10 @@ RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);
 std::string options_of(const std::vector<RecordingQuestion>& questions);
 
 /// True if some of them change the robot.
-bool concern_robot(const std::vector<RecordingQuestion>& set);
+bool any_changes_robot(const std::vector<RecordingQuestion>& set);
 
 /// The robot after the corrections of a set.
-Model applied(const std::vector<RecordingQuestion>& set, const Model& arm);
+Model corrected_arm(const std::vector<RecordingQuestion>& set, const Model& arm);
 
 /// Applies the corrections to a recording of this arm. Columns are exchanged before they are scaled, as in
 /// the reader.

@@ -78,7 +78,7 @@ QuickFitter::QuickFitter(const Model& arm, const PreprocessingOptions& options, 
   known_ << base_.K * values, base_.K(Eigen::all, effects);
 }
 
-std::tuple<int, int, double> QuickFitter::determined(const Recording& recording) const {
+std::tuple<int, int, double> QuickFitter::rank_and_condition(const Recording& recording) const {
   // Rotor inertia is left out, since a motion hardly separates it from the inertia of the first links.
   const Model plain = with_everything_open(with_plain_friction(given_));
   const std::vector<CompressedRecording> c = {compress(plain, recording, options_)};
@@ -281,7 +281,7 @@ RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& o
   return out;
 }
 
-VectorXd QuickFitter::springs_apart(const Recording& recording) const {
+VectorXd QuickFitter::independent_spring_shares(const Recording& recording) const {
   const Model plain = with_everything_open(with_plain_friction(given_));
   const Model sprung = with_everything_open(with_effect_of_all_joints(plain, kJointSpring));
   const std::vector<CompressedRecording> c = {compress(sprung, recording, options_)};

@@ -52,9 +52,9 @@ struct QuickFit {
   std::shared_ptr<const RegressorMoments> moments;  ///< sums of the fitted motion
 
   /// Relative error of the torque, root mean square over the joints; noise() is the same for white noise.
-  double left() const { return std::sqrt(shares.mean()); }
+  double relative_error() const { return std::sqrt(shares.mean()); }
   double noise() const { return std::sqrt(noise2.mean()); }
-  double fitted_left() const { return std::sqrt(fitted.mean()); }
+  double fitted_relative_error() const { return std::sqrt(fitted.mean()); }
   /// True if the remaining error of a joint is close to its noise.
   bool is_near(Eigen::Index joint) const {
     return std::sqrt(shares[joint]) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);
@@ -73,7 +73,7 @@ class QuickFitter {
   QuickFitter(const Model& arm, const PreprocessingOptions& options, const RecordedFacts& facts);
 
   /// Number of base parameters that the recording determines, their total number, and the condition number.
-  std::tuple<int, int, double> determined(const Recording& recording) const;
+  std::tuple<int, int, double> rank_and_condition(const Recording& recording) const;
 
   /// @returns null if the recording has too few rows, or numbers that are not finite.
   std::shared_ptr<const RegressorMoments> moments(const Recording& recording) const;
@@ -86,7 +86,7 @@ class QuickFitter {
 
   /// (n) share of a spring's torque on each joint that no other parameter of the arm can represent, its
   /// offset excluded.
-  VectorXd springs_apart(const Recording& recording) const;
+  VectorXd independent_spring_shares(const Recording& recording) const;
 
  private:
   double ratio(const MatrixXd& products, const std::vector<int>& columns) const;

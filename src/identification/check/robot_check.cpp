@@ -46,7 +46,7 @@ class RobotCheck {
 
   // Delays and gains of torques, which a diagnosis estimates itself, are neither reported nor corrected after
   // this call.
-  void leave_causes() { leaves_causes_ = true; }
+  void exclude_causes() { excludes_causes_ = true; }
 
   RobotAnswers run(double smallest_error = 0.0) {
     RobotAnswers out;
@@ -54,7 +54,7 @@ class RobotCheck {
       best_.fit = fit_of({});
       const QuickFit before = best_.fit;
       out.explained = is_explained(before);
-      out.left = before.left();
+      out.left = before.relative_error();
       if (!(out.left > smallest_error)) return out;  // hardly moving joints were reported for the first recording
       search();
       const Answer none{{}, before, 0.0, {}};
@@ -66,13 +66,13 @@ class RobotCheck {
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
       else if (whole) report_unexplained();
-      const bool mends = is_explained(best_) || best_.fit.left() < checking::kClearImprovement * before.left();
-      const auto causes = std::remove_if(best_.set.begin(), best_.set.end(), [this](const RecordingQuestion& q) { return leaves_causes_ && q.is_cause; });
+      const bool mends = is_explained(best_) || best_.fit.relative_error() < checking::kClearImprovement * before.relative_error();
+      const auto causes = std::remove_if(best_.set.begin(), best_.set.end(), [this](const RecordingQuestion& q) { return excludes_causes_ && q.is_cause; });
       if (causes != best_.set.end()) {
         best_.set.erase(causes, best_.set.end());
         best_.fit = fit_of(best_.set);
       }
-      report(before.left());
+      report(before.relative_error());
       report_weak_motions();
       if (mends) out.set = std::move(best_.set);
     }
@@ -82,18 +82,18 @@ class RobotCheck {
     return out;
   }
 
-  bool would_mend(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fit_of({})); }
+  bool would_explain(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fit_of({})); }
 
   // True unless the remaining error is so large that the correction may only imitate a missing effect.
   static bool helps(const Answer& answer, const QuickFit& before) {
     const QuickFit& after = answer.fit;
     const bool is_sure = std::all_of(answer.set.begin(), answer.set.end(), [&](const RecordingQuestion& q) {
-      return q.joint == 0 ? after.left() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSignCertain;
+      return q.joint == 0 ? after.relative_error() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSignCertain;
     });
     if (is_explained(answer)) return true;
     if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); }))
       return is_clear(after, before) && after.contradictions <= before.contradictions;  // a torque that is scaled to zero would leave no error
-    return after.left() < checking::kFitted * before.left() || (after.contradictions < before.contradictions && is_sure);
+    return after.relative_error() < checking::kFitted * before.relative_error() || (after.contradictions < before.contradictions && is_sure);
   }
 
   // Reports joints that the arm explains badly and whose torque reaches zero without ever changing its sign.
@@ -110,9 +110,9 @@ class RobotCheck {
   }
 
   void report_unexplained() {
-    if (best_.fit.left() > checking::kUnexplained && best_.fit.fitted_left() > checking::kUnexplained) {
-      add("unexplained", 0, best_.fit.left(),
-          text("With all its parameters free ", given_.name(), " leaves ", percent(best_.fit.left()),
+    if (best_.fit.relative_error() > checking::kUnexplained && best_.fit.fitted_relative_error() > checking::kUnexplained) {
+      add("unexplained", 0, best_.fit.relative_error(),
+          text("With all its parameters free ", given_.name(), " leaves ", percent(best_.fit.relative_error()),
                " of the torque on held-out rows, and no single mistake that `check` knows explains it: the torques of another robot, or a time or a column that does not belong to the others?"));
       return;
     }
@@ -124,7 +124,7 @@ class RobotCheck {
   }
 
   static bool is_clear(const QuickFit& after, const QuickFit& before) {
-    return is_explained(after) || after.left() < checking::kClearImprovement * before.left();
+    return is_explained(after) || after.relative_error() < checking::kClearImprovement * before.relative_error();
   }
 
  private:
@@ -140,7 +140,7 @@ class RobotCheck {
       add("not_compared", as_one.front().front() + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
       return false;
     }
-    const auto [determined, all, condition] = fitter_.determined(recording_);
+    const auto [determined, all, condition] = fitter_.rank_and_condition(recording_);
     if (determined >= all && condition < checking::kWorstCondition) return true;
     // Wrong units change the columns and their condition number, so that units are tested before the check is
     // given up.
@@ -160,7 +160,7 @@ class RobotCheck {
     as_recorded.fit = fit_of({});
     std::vector<RecordingQuestion> units = open_questions(as_recorded);
     units.erase(std::remove_if(units.begin(), units.end(), [](const RecordingQuestion& q) { return q.joint != 0 || q.units.empty(); }), units.end());
-    const std::vector<Answer> all = tried(as_recorded, units);
+    const std::vector<Answer> all = evaluate_hypotheses(as_recorded, units);
     return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
 
@@ -179,7 +179,7 @@ class RobotCheck {
 
   // Reports joints that move too little: over a small range gravity is nearly linear, as a spring is.
   void report_weak_motions() {
-    const VectorXd apart = fitter_.springs_apart(changed(best_.set));
+    const VectorXd apart = fitter_.independent_spring_shares(changed(best_.set));
     for (int i = 0; i < joints(); ++i) {
       const Coordinate& c = given_.coordinates()[i];
       if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel(i, recording_) > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
@@ -216,7 +216,7 @@ class RobotCheck {
   }
   static bool is_explained(const Answer& answer) {
     const bool fitted = std::any_of(answer.set.begin(), answer.set.end(), is_fitted);
-    return is_explained(answer.fit) && (!fitted || answer.fit.left() <= std::max(checking::kNearNoise * answer.fit.noise(), checking::kFittedNear));
+    return is_explained(answer.fit) && (!fitted || answer.fit.relative_error() <= std::max(checking::kNearNoise * answer.fit.noise(), checking::kFittedNear));
   }
 
   Recording changed(const std::vector<RecordingQuestion>& set) const {
@@ -241,17 +241,17 @@ class RobotCheck {
     Recording recording = changed({others, set.end()});
     recording.tau = recording_.tau;
     apply_to({set.begin(), others}, given_, recording);
-    if (velocity == VelocitySource::kRecorded && !concern_robot(set)) return fitter_.fit(fitter_.moments(recording), torques_of(set));
+    if (velocity == VelocitySource::kRecorded && !any_changes_robot(set)) return fitter_.fit(fitter_.moments(recording), torques_of(set));
     PreprocessingOptions how = options_;
     if (velocity == VelocitySource::kDerived) how.velocity = velocity;
-    const QuickFitter fitter(applied(set, given_), how, facts_);
+    const QuickFitter fitter(corrected_arm(set, given_), how, facts_);
     return fitter.fit(fitter.moments(recording), torques_of(set));
   }
 
   // Tries one more hypothesis of the list. Transformations that leave the motion unchanged reuse its regressor.
-  std::vector<Answer> tried(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
+  std::vector<Answer> evaluate_hypotheses(const Answer& before, const std::vector<RecordingQuestion>& questions) const {
     std::vector<Answer> out(questions.size());
-    const bool same_arm = !concern_robot(before.set);
+    const bool same_arm = !any_changes_robot(before.set);
     parallel_for(static_cast<int>(questions.size()), 0, [&](int k) {
       Answer& one = out[k];
       one.set = before.set;
@@ -289,7 +289,7 @@ class RobotCheck {
     for (int level = 0; level < checking::kMostTogether && !beam.empty() && !is_explained(best_); ++level) {
       std::vector<Answer> next, impossible;
       for (const Answer& parent : beam) {
-        for (Answer& one : tried(parent, open_questions(parent))) {
+        for (Answer& one : evaluate_hypotheses(parent, open_questions(parent))) {
           const RecordingQuestion& q = one.set.back();
           const double needed = q.finding == "current" ? checking::kGainsBetter : checking::kMisfitDecrease;
           one.score = parent.score + one.fit.misfit - parent.fit.misfit + needed + q.price;
@@ -319,11 +319,11 @@ class RobotCheck {
         }
       }
       const std::vector<Answer> all = next;
-      keep_the_best(next);
+      keep_best_start_values(next);
       for (Answer& one : next) one = polished(one);
       // A fitted number, or another arm, reduces the error of any incomplete model a little.
       next.erase(std::remove_if(next.begin(), next.end(), [&](const Answer& one) {
-                   return (one.set.back().neighbours || one.set.back().robot) && !is_explained(one) && one.fit.left() > checking::kFitted * best_.fit.left();
+                   return (one.set.back().neighbours || one.set.back().robot) && !is_explained(one) && one.fit.relative_error() > checking::kFitted * best_.fit.relative_error();
                  }), next.end());
       if (next.empty()) break;
       std::sort(next.begin(), next.end(), better);
@@ -337,15 +337,15 @@ class RobotCheck {
         return;
       }
       if (doubt) break;
-      if (const char* but = why_not_sure(next.front(), all)) doubt = std::make_pair(next.front(), but);
+      if (const char* but = reason_for_uncertainty(next.front(), all)) doubt = std::make_pair(next.front(), but);
       else if (next.front().score < best_.score) best_ = next.front();
       beam = std::move(next);
     }
-    if (doubt && doubt->first.fit.left() < checking::kFitted * best_.fit.left()) report_uncertain(doubt->first, doubt->second);
+    if (doubt && doubt->first.fit.relative_error() < checking::kFitted * best_.fit.relative_error()) report_uncertain(doubt->first, doubt->second);
   }
 
   // Keeps one starting value for each fitted number.
-  static void keep_the_best(std::vector<Answer>& sorted) {
+  static void keep_best_start_values(std::vector<Answer>& sorted) {
     std::vector<Answer> kept;
     for (Answer& one : sorted) {
       const bool again = one.set.back().neighbours && std::any_of(kept.begin(), kept.end(), [&](const Answer& other) {
@@ -359,7 +359,7 @@ class RobotCheck {
 
   // Reason for which a set is uncertain, or null: exclusive sets have nearly the same score, as they do where
   // joints move alike and the arm does not explain a torque; or a set helps in a part of the recording only.
-  static const char* why_not_sure(const Answer& answer, const std::vector<Answer>& others) {
+  static const char* reason_for_uncertainty(const Answer& answer, const std::vector<Answer>& others) {
     const RecordingQuestion& q = answer.set.back();
     if (is_explained(answer) || q.finding == "torque_sign" || q.neighbours) return nullptr;
     for (const Answer& other : others) {
@@ -382,7 +382,7 @@ class RobotCheck {
     for (double step = 0.5 * first; answer.set.back().neighbours && step > checking::kFinest * first;) {
       Answer without = answer;
       without.set.pop_back();
-      std::vector<Answer> all = tried(without, answer.set.back().neighbours(step));
+      std::vector<Answer> all = evaluate_hypotheses(without, answer.set.back().neighbours(step));
       const auto least = std::min_element(all.begin(), all.end(), [](const Answer& a, const Answer& b) { return a.fit.misfit < b.fit.misfit; });
       if (least->fit.misfit < answer.fit.misfit) {
         answer.score += least->fit.misfit - answer.fit.misfit;
@@ -448,7 +448,7 @@ class RobotCheck {
     if (recording_.rows() < checking::kRowsOfAnArm) return;
     std::string what = q.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add(q.finding, q.joint, answer.fit.left(), text("Perhaps ", what, ": ", reason_for(q, answer.fit.left(), best_.fit.left()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
+    add(q.finding, q.joint, answer.fit.relative_error(), text("Perhaps ", what, ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
         Severity::kInfo);
   }
 
@@ -464,8 +464,8 @@ class RobotCheck {
     for (const RecordingQuestion& q : best_.set) {
       std::vector<RecordingQuestion> others = best_.set;
       others.erase(others.begin() + (&q - best_.set.data()));
-      const double without = others.empty() ? before : fit_of(others).left();
-      const double left = best_.fit.left();
+      const double without = others.empty() ? before : fit_of(others).relative_error();
+      const double left = best_.fit.relative_error();
       std::string sentence = q.what + ": " + reason_for(q, left, without) + "; ";
       if (is_explained(best_)) sentence += options + " mends it.";
       else sentence += text(options, " makes it better, but the noise is at ", percent(best_.fit.noise()), ": not the whole truth.");
@@ -479,7 +479,7 @@ class RobotCheck {
   RecordedFacts facts_;
   QuickFitter fitter_;
   std::vector<bool> moves_;  // joints that can be checked
-  bool leaves_causes_ = false;
+  bool excludes_causes_ = false;
   Answer best_;
   std::vector<QualityFinding> findings_;
 };
@@ -532,13 +532,13 @@ void set_torques_from_currents(const Model& arm, Recording& recording) {
 RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error) {
   std::optional<RobotCheck> check = check_of(arm, recording, options);
   if (!check) return {};
-  check->leave_causes();
+  check->exclude_causes();
   return check->run(smallest_error);
 }
 
-bool would_mend(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
+bool would_explain(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
   const std::optional<RobotCheck> check = check_of(arm, recording, options);
-  return check && check->would_mend(set);
+  return check && check->would_explain(set);
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path, const PreprocessingOptions& options) {

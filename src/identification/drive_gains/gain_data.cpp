@@ -21,7 +21,7 @@ std::string load_frame(int load) {
 }
 
 // True for effects that are the same every day, unlike friction and offsets.
-bool lasting(const std::string& effect) {
+bool is_lasting(const std::string& effect) {
   return find_effect(effect).traits().lasting;
 }
 
@@ -108,7 +108,7 @@ std::vector<std::string> GainData::load_columns(int load) {
 std::string GainData::column_name(const StandardParameter& p, size_t recording) const {
   if (!p.effect || p.fixed) return p.name;
   const std::string& effect = arms_[recording].effects()[*p.effect].effect;
-  return lasting(effect) ? p.name : text(p.name, " in recording ", recording + 1);
+  return is_lasting(effect) ? p.name : text(p.name, " in recording ", recording + 1);
 }
 
 std::vector<std::vector<SquareRootInformation>> GainData::clusters(

@@ -127,7 +127,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
     require_prior_fits(arm, options);
     const auto phi = options.prior->inertial_values();
     for (const int first : problem.body_columns)
-      out.push_back(with_size(phi->segment<kBodyParameters>(first), kSmallestRadius));
+      out.push_back(with_minimum_radius(phi->segment<kBodyParameters>(first), kSmallestRadius));
     return out;
   }
   bool any = false;
@@ -137,7 +137,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
     const std::optional<InertialParameters> prior = manufacturer_values(arm, body);
     // A physically impossible body is not used as a prior.
     const bool usable = prior && body_fault("", *prior).empty();
-    out.push_back(usable ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
+    out.push_back(usable ? with_minimum_radius(*prior, kSmallestRadius) : InertialParameters::Zero());
     any = any || out.back()[0] > 0.0;
   }
   if (!any) return std::nullopt;

@@ -44,7 +44,7 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J) {
   return phi;
 }
 
-InertialVector with_size(const InertialVector& phi, double radius) {
+InertialVector with_minimum_radius(const InertialVector& phi, double radius) {
   if (!(phi(0) > 0.0)) return InertialVector::Zero();
   Eigen::Matrix4d J = pseudo_inertia(phi);
   const Eigen::Vector3d h = phi.segment<3>(1);

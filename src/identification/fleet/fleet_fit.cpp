@@ -19,7 +19,7 @@ double median_of(std::vector<double> v) { return v.empty() ? kNaN : median(std::
 
 }  // namespace
 
-std::pair<double, double> centre_of(const std::vector<double>& all) {
+std::pair<double, double> median_and_spread(const std::vector<double>& all) {
   std::vector<double> finite;
   for (const double x : all)
     if (std::isfinite(x)) finite.push_back(x);
@@ -88,7 +88,7 @@ std::vector<SquareRootInformation> FleetFit::with_gains(const ArmFactor& arm, co
   return out;
 }
 
-SquareRootInformation FleetFit::of_arm(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const {
+SquareRootInformation FleetFit::arm_factor(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const {
   SquareRootInformation out = weighted_total(joints, weights, columns_);
   const VectorXd norms = out.column_norms();
   MatrixXd rows = MatrixXd::Zero(own_ + joints_, out.size());
@@ -140,7 +140,7 @@ void FleetFit::solve() {
   for (int round = 0; round < fleets::numbers.rounds; ++round) {
     each_arm([&](FittedArm& f) {
       f.joints = with_gains(f.data, f.values);
-      f.factor = of_arm(f.joints, weights);
+      f.factor = arm_factor(f.joints, weights);
     });
     SquareRootInformation total({columns_.end() - shared_, columns_.end()});
     for (const FittedArm& f : arms_)
@@ -175,7 +175,7 @@ void FleetFit::mark_outliers() {
     f.excess = std::log(std::max((f.residual2.array() / f.alone2.array().max(1e-300)).maxCoeff(), 1.0));
     all.push_back(f.excess);
   }
-  const auto [median, spread] = centre_of(all);
+  const auto [median, spread] = median_and_spread(all);
   const double far = threshold(static_cast<double>(arms_.size()));
   median_excess_ = median;
   size_t count = 0;
@@ -192,7 +192,7 @@ double FleetFit::tested() const { return static_cast<double>(arms_.size()) * (st
 
 double FleetFit::threshold(double tested, double more_freedom) const {
   return student_t_quantile(options_.significance / std::max(1.0, tested),
-                            std::min(fleets::numbers.most_freedom, freedom() + more_freedom));
+                            std::min(fleets::numbers.most_freedom, degrees_of_freedom() + more_freedom));
 }
 
 VectorXd FleetFit::deviations() const {

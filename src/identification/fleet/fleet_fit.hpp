@@ -12,7 +12,7 @@
 namespace veridyn {
 
 /// Median and robust standard deviation of the finite values.
-std::pair<double, double> centre_of(const std::vector<double>& all);
+std::pair<double, double> median_and_spread(const std::vector<double>& all);
 
 /// Data of one arm: a factor per joint over all its recordings.
 struct ArmFactor {
@@ -52,7 +52,7 @@ class FleetFit {
 
   const BaseParameters& base() const { return base_; }
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
-  /// Own parameters, gains of joints, shared parameters: the columns of of_arm().
+  /// Own parameters, gains of joints, shared parameters: the columns of arm_factor().
   const std::vector<std::string>& columns() const { return columns_; }
   Eigen::Index own() const { return own_; }        ///< number of own parameters
   Eigen::Index shared() const { return shared_; }  ///< number of shared ones
@@ -63,7 +63,7 @@ class FleetFit {
   /// Rows of each joint with a further column for the gain of its torque: the torque for the values `at`.
   std::vector<SquareRootInformation> with_gains(const ArmFactor& arm, const VectorXd& at) const;
   /// A factor of these rows over columns(), with joint weights.
-  SquareRootInformation of_arm(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const;
+  SquareRootInformation arm_factor(const std::vector<SquareRootInformation>& joints, const VectorXd& weights) const;
   /// Information of this factor about the shared columns, with the arm's own columns eliminated.
   SquareRootInformation shared_information(const SquareRootInformation& factor) const;
   /// All values of an arm from its factor, for given shared values.
@@ -72,7 +72,7 @@ class FleetFit {
   /// Standard deviations of beta(), by leaving out one group of arms at a time.
   VectorXd deviations() const;
   /// Degrees of freedom of a robust deviation over the arms.
-  double freedom() const { return fleets::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
+  double degrees_of_freedom() const { return fleets::kEfficiency * (static_cast<double>(arms_.size()) - 1.0); }
   /// Number of tested quantities: every own value and the bodies of every arm.
   double tested() const;
   /// Number of deviations beyond which one of `tested` quantities is an outlier.

@@ -98,20 +98,20 @@ Quantity quantity(const Model& arm, const FleetFit& fit, const Fleet& fleet, int
     spread.name = gain_name(arm, k - own);
     out.joint = JointIndex{k - own};
   }
-  std::tie(spread.median, spread.spread) = centre_of(out.all);
+  std::tie(spread.median, spread.spread) = median_and_spread(out.all);
   spread.arms = static_cast<int>(
       std::count_if(out.all.begin(), out.all.end(), [](double x) { return std::isfinite(x); }));
   // The noise of this value on one arm, relative to that on most arms, weights its deviation. Noise is not
   // white, so that the spread of the fleet sets the scale.
   for (size_t a = 0; a < out.all.size(); ++a)
     out.uncertain.push_back(std::isfinite(out.all[a]) ? fit.arms()[a].uncertain[k] : kNaN);
-  out.usual = centre_of(out.uncertain).first;
+  out.usual = median_and_spread(out.uncertain).first;
   return out;
 }
 
 // Reports the arms that are outliers in a quantity of one kind.
 void add_outliers(const std::vector<Quantity>& kind, const FleetFit& fit, Fleet& fleet) {
-  const double freedom = fit.freedom();
+  const double freedom = fit.degrees_of_freedom();
   const SpreadPrior prior = prior_of(kind, freedom);
   const double far = fit.threshold(fit.tested(), prior.freedom);
   for (const Quantity& q : kind) {

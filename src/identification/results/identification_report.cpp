@@ -49,7 +49,7 @@ std::string Identification::report() const {
   line(tested + ", repaired", test_repaired.relative);
   line("without excluded rows", test_without_excluded.relative);
   line(tested + ", moving", test_error.moving_relative);
-  line(floor_name(*this), noise_floor);
+  line(noise_floor_label(*this), noise_floor);
   if (!endogeneity.empty()) {
     out += "\nDurbin-Wu-Hausman: a small p says that noise in the motion biases least squares\n";
     for (size_t i = 0; i < endogeneity.size(); ++i) {

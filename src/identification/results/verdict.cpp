@@ -116,7 +116,7 @@ std::string Identification::verdict() const { return model ? verdict_of(*this).s
 
 std::ostream& operator<<(std::ostream& out, const Identification& id) { return out << id.report(); }
 
-const char* floor_name(const Identification& id) {
+const char* noise_floor_label(const Identification& id) {
   const VectorXd& error = (id.test_error.relative.size() > 0 ? id.test_error : id.train_error).relative;
   const bool floor = id.noise_floor.size() != error.size() || (id.noise_floor.array() <= error.array()).all();
   return floor ? "noise floor" : "repetitions differ by";

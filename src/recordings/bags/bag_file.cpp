@@ -84,10 +84,10 @@ Metadata metadata_of(const std::string& folder, BagSink* sink) {
     const YAML::Node root = YAML::LoadFile(path)["rosbag2_bagfile_information"];
     require(root.IsDefined() && root.IsMap(), path,
             ": found no rosbag2_bagfile_information, expected the description of a ROS 2 bag.");
-    const std::string mode = lower(root["compression_mode"].as<std::string>(""));
+    const std::string mode = to_lower(root["compression_mode"].as<std::string>(""));
     metadata.packed_messages = mode == "message";
     if (mode == "message" || mode == "file") {
-      const std::string format = lower(root["compression_format"].as<std::string>(""));
+      const std::string format = to_lower(root["compression_format"].as<std::string>(""));
       require(format == "zstd", path, ": found compression_format '", format, "', expected zstd.");
     }
     for (const YAML::Node& file : root["relative_file_paths"]) {

@@ -23,7 +23,7 @@ bool is_position(const std::string& name) {
 bool is_unit_word(const std::string& word) {
   static const std::set<std::string> kUnits = {"s", "ms", "us", "ns", "rad", "deg", "m", "mm", "rad/s", "deg/s", "m/s",
                                                "nm", "n", "a", "ma", "mnm", "ncm", "-", ""};
-  return kUnits.count(lower(bare_unit(word))) > 0;
+  return kUnits.count(to_lower(bare_unit(word))) > 0;
 }
 
 // Reads the line below the names: units, or the first row of numbers.

@@ -47,7 +47,7 @@ int likely_signal(const ColumnName& name) {
       {"pos", "q"},    {"position", "q"}, {"angle", "q"},   {"vel", "dq"},     {"velocity", "dq"},
       {"qdot", "dq"},  {"acc", "ddq"},    {"qddot", "ddq"}, {"torque", "tau"}, {"effort", "tau"},
       {"taus", "tau"}, {"ta", "tau"},     {"tu", "tau"},    {"force", "tau"},  {"current", "i"}};
-  std::string base = lower(name.base);
+  std::string base = to_lower(name.base);
   base.erase(base.find_last_not_of("_. ") + 1);
   const auto word = kWords.find(base);
   if (word != kWords.end()) return signal_index(word->second);
@@ -176,7 +176,7 @@ std::vector<std::string> csv_fields(std::string_view line, char separator) {
 
 bool is_missing_value(std::string field) {
   static const std::set<std::string> kNothing = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "-", "--"};
-  return kNothing.count(lower(std::move(field))) > 0;
+  return kNothing.count(to_lower(std::move(field))) > 0;
 }
 
 bool csv_number(std::string field, char separator, double* value) {

@@ -140,7 +140,7 @@ bool is_stale(const Recording& rows, int k) {
   return any && is_moving(rows, k);
 }
 
-double onward_motion(const Column& q) {
+double mean_step_product(const Column& q) {
   double onward = 0.0;
   for (Eigen::Index k = 2; k < q.size(); ++k) {
     const double product = (q[k - 1] - q[k - 2]) * (q[k] - q[k - 1]);

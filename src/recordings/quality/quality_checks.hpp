@@ -110,7 +110,7 @@ bool is_stale(const Recording& rows, int k);
 bool is_moving(const Recording& rows, int k);
 /// Mean product of a position's successive steps: > 0 if it moves in one direction from row to row, whereas the
 /// noise of a resting joint alternates in sign.
-double onward_motion(const Column& q);
+double mean_step_product(const Column& q);
 
 /// Processes every row of a recording and then reports.
 class Tally {

@@ -51,7 +51,7 @@ void check_duration(const Head& head, Findings* findings) {
 bool check_clock(const Head& head, Findings* findings) {
   if (head.step < kSlowClock) return false;
   double onward = 0.0;
-  for (int j = 0; j < head.rows.joints(); ++j) onward += head.moves[static_cast<std::size_t>(j)] ? onward_motion(head.rows.q.col(j)) : 0.0;
+  for (int j = 0; j < head.rows.joints(); ++j) onward += head.moves[static_cast<std::size_t>(j)] ? mean_step_product(head.rows.q.col(j)) : 0.0;
   if (!(onward > 0.0)) return false;
   const char* unit = recordings::unit_of_clock(head.step);
   findings->add(Severity::kFault, "time_unit", {"t", 0}, {kNone, head.step, "s"},

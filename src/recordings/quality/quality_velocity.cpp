@@ -212,7 +212,7 @@ void check_velocities(const Head& head, Findings* findings) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j, j);
     // A recording of poses at rest is excluded, since successive poses are no motion.
-    const bool steady = head.step < numbers.window && onward_motion(head.rows.q.col(j)) > 0.0;
+    const bool steady = head.step < numbers.window && mean_step_product(head.rows.q.col(j)) > 0.0;
     if (fit.zero && steady) report_joint_scale(fit, findings);
     const double range = range_of(head.rows.dq.col(j));
     check_quantised(head, fit, range, findings);

@@ -54,7 +54,7 @@ std::vector<Word> pieces_of(const std::string& name) {
     const bool digit = is(std::isdigit, k);
     const auto hump = [&](std::size_t at) { return is(std::isupper, at) && is(std::islower, at - 1); };
     while (end < name.size() && is(std::isalnum, end) && is(std::isdigit, end) == digit && !hump(end)) ++end;
-    words.push_back({lower(name.substr(k, end - k)), k, end});
+    words.push_back({to_lower(name.substr(k, end - k)), k, end});
   }
   return words;
 }
@@ -66,7 +66,7 @@ std::string without_unit(const std::string& name) {
   const std::string inner = name.substr(open + 1, name.find_last_of("])") - open - 1);
   if (is_number(inner)) return name;
   // Brackets contain a unit in `q [deg]`, and the joint in `q(elbow)`.
-  const bool unit = name[open] == '[' || (name[open - 1] == ' ') || meaning_of(lower(inner)) == kUnit;
+  const bool unit = name[open] == '[' || (name[open - 1] == ' ') || meaning_of(to_lower(inner)) == kUnit;
   return unit ? name.substr(0, open) : name;
 }
 

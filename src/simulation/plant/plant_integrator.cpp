@@ -55,9 +55,9 @@ void Plant::State::change_middle_velocity(double h) {
 }
 
 void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq) {
-  if (forces.loads() > 0) sticking.keep();
+  if (forces.loads() > 0) sticking.save_directions();
   for (int round = 0; round < kMostLoadRounds; ++round) {
-    if (forces.loads() > 0) sticking.restore();
+    if (forces.loads() > 0) sticking.restore_directions();
     for (int i = 0; i < n; ++i) white[i] = tau[i] - at.bias[i];
     for (int k = 0; k < forces.dry(); ++k) {
       const int direction = sticking.direction(k);
@@ -268,7 +268,7 @@ void Plant::State::add_up_effects() {
   for (int k = 0; k < forces.dry(); ++k) {
     const double v = forces.velocity(k, here.dq.data());
     const double force =
-        sticking.decided(k) ? sticking.force(k)
+        sticking.was_at_rest(k) ? sticking.force(k)
                             : forces.sliding(k, here.time, here.q.data(), v, sticking.direction(k));
     add_scaled(force, forces.axis(k), n, effects.data());
   }

@@ -60,11 +60,11 @@ void Sticking::collect() {
   }
   if (rest_ == spanned_) return;
   spanned_ = rest_;
-  span();
+  compute_basis();
   invert();
 }
 
-void Sticking::span() {
+void Sticking::compute_basis() {
   rank_ = 0;
   for (const int k : rest_) {
     if (rank_ == static_cast<size_t>(n_)) return;

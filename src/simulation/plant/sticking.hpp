@@ -31,9 +31,9 @@ class Sticking {
   /// Clears the forces of previous instants.
   void reset() { std::fill(lambda_.begin(), lambda_.end(), 0.0); }
 
-  /// Saves the present directions for restore().
-  void keep() { kept_ = direction_; }
-  void restore() { direction_ = kept_; }
+  /// Saves the present directions for restore_directions().
+  void save_directions() { kept_ = direction_; }
+  void restore_directions() { direction_ = kept_; }
 
   /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them come to rest too.
   void stop_resting_axes(double* dq);
@@ -47,7 +47,7 @@ class Sticking {
   void hold(const double* L, double* y);
 
   /// True if axis k was at rest at the last resolve_friction(), which found this force for it.
-  bool decided(int k) const { return decided_[k] != 0; }
+  bool was_at_rest(int k) const { return decided_[k] != 0; }
   double force(int k) const { return lambda_[k]; }
 
  private:
@@ -57,7 +57,7 @@ class Sticking {
   // Computes shares_: the map from a force within the span to the smallest forces of the axes.
   void invert();
   void solve_box(const double* y_free);
-  void span();  // computes basis_ of the axes at rest
+  void compute_basis();  // basis_ of the axes at rest
   int axes() const { return static_cast<int>(direction_.size()); }
   const double* axis(int k) const { return axes_.data() + k * n_; }
   double* whitened_column(size_t column) { return white_.data() + column * static_cast<size_t>(n_); }

@@ -54,7 +54,7 @@ class YamlNode {
   YamlNode at(const std::string& key) const;
 
   /// This node under another path, for expressions: "frames/elbow" rather than "frames/4".
-  YamlNode placed(const std::string& place) const;
+  YamlNode with_path(const std::string& place) const;
 
  private:
   YamlNode(YAML::Node node, YamlSource& source, std::string place)

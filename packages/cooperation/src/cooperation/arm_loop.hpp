@@ -41,7 +41,7 @@ class ArmLoop {
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
 
   /// Torques that the motors received after torque(), (n), if they differ from its result.
-  void sent(const VectorXd& tau) noexcept { cycle_.sent(tau); }
+  void set_sent_torques(const VectorXd& tau) noexcept { cycle_.set_sent_torques(tau); }
 
   /// Switches to a position loop at the present position, plus TipTarget::relief.
   void freeze() noexcept;

@@ -215,7 +215,7 @@ std::string MotionPlan::objection(State& state, std::size_t k) {
   arm.rates.solve(a, arm.none, arm.ddq);
   arm.tau = arm.state.mass_matrix() * arm.ddq + arm.state.bias() +
             arm.state.tip().jacobian().topRows<3>().transpose() * (to_base * tips_[k].force);
-  arm.friction.locate(arm.state);
+  arm.friction.set_axis_states(arm.state);
   for (int i = 0; i < arm.friction.axes(); ++i) {
     const double v = arm.friction.axis(i).dot(arm.dq);
     if (v != 0.0) arm.tau += arm.friction.sliding(i, v < 0.0 ? -1.0 : 1.0, v) * arm.friction.axis(i);

@@ -7,7 +7,7 @@ bool apply_command(const ScenarioCommand& c, CooperativeController& control) noe
     case ScenarioCommand::Kind::kMove:
       return control.move(c.way, c.over);
     case ScenarioCommand::Kind::kTurn:
-      return control.turn(c.way, c.over);
+      return control.rotate(c.way, c.over);
     case ScenarioCommand::Kind::kTighten:
       return control.expand_grasp(c.amount, c.over);
     case ScenarioCommand::Kind::kForce:

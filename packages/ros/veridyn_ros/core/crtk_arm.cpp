@@ -190,7 +190,7 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
     tau_ = arm.bias() + effort_;
     cycle_.command(tau_);
   } else if (mode_ == Mode::kReleased) {
-    cycle_.give_way();
+    cycle_.command_gravity_compensation();
   } else {
     smooth(dt);
     cycle_.command(control_.update(arm, wanted_));

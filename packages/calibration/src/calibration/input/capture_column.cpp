@@ -22,7 +22,7 @@ std::string without_unit(const std::string& name, std::string& unit) {
 
 int component_index(const std::string& word) {
   static const std::array<const char*, 10> kComponents = {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz"};
-  const auto* const found = std::find(kComponents.begin(), kComponents.end(), lower(word));
+  const auto* const found = std::find(kComponents.begin(), kComponents.end(), to_lower(word));
   return found == kComponents.end() ? -1 : static_cast<int>(found - kComponents.begin());
 }
 
@@ -42,7 +42,7 @@ bool is_one_of(const std::string& word, const std::vector<const char*>& words) {
 }  // namespace
 
 double metres_of(std::string unit) {
-  unit = lower(unit);
+  unit = to_lower(unit);
   if (is_one_of(unit, {"m", "meter", "metre", "meters", "metres"})) return 1.0;
   if (is_one_of(unit, {"cm", "centimeter", "centimetre", "centimeters", "centimetres"}))
     return 0.01;
@@ -56,7 +56,7 @@ CaptureColumn capture_column(const std::string& name) {
   CaptureColumn column;
   column.name = name;
   const std::string bare = without_unit(name, column.unit);
-  const std::string word = lower(bare);
+  const std::string word = to_lower(bare);
   if (is_one_of(word, {"t", "time", "timestamp", "time_s", "seconds"})) {
     column.kind = Kind::kTime;
     return column;

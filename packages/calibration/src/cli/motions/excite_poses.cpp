@@ -87,7 +87,7 @@ ExciteExtension excite_poses() {
       expect_no_motion_options(*call.command);
       return run(call, *request);
     }
-    expect_needs(*call.command, {{"--poses", false, "--for calibration"}, {"--frame", false, "--for calibration"}});
+    expect_prerequisites(*call.command, {{"--poses", false, "--for calibration"}, {"--frame", false, "--for calibration"}});
     return std::nullopt;
   };
   return {[request](CLI::App& command) { add_poses_options(command, *request); }, run_poses};

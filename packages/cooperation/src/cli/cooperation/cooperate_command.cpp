@@ -94,20 +94,20 @@ ExitStatus run_live_lines(const CooperateRequest& request) {
 ExitStatus run(const CooperateRequest& request, const std::string& command) {
   const bool live = !request.live.line.empty();
   const bool on_boards = !request.boards.configs.empty();
-  expect_needs(*request.command,
-               {{"--output", !request.sweep && !live, "a run: --sweep or --live beside it has no rows"},
-                {"--resume", request.sweep, "--sweep"},
-                {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
-                {"--emulate", on_boards, "--boards"},
-                {"--stepped", request.boards.emulate, "--emulate"},
-                {"--board-hosts", on_boards, "--boards"},
-                {"--board-fault", on_boards && request.boards.emulate, "--boards and --emulate"},
-                {"--force-sensor", on_boards, "--boards"},
-                {"--force-calibration", !request.boards.sensors.empty(), "--force-sensor"},
-                {"--json", !live, "no --live beside it"},
-                {"--report", !live, "no --live beside it"},
-                {"--pace", live && (!on_boards || request.boards.stepped), "--live, and --stepped on boards"},
-                {"--silence", live, "--live"}});
+  expect_prerequisites(*request.command,
+                       {{"--output", !request.sweep && !live, "a run: --sweep or --live beside it has no rows"},
+                        {"--resume", request.sweep, "--sweep"},
+                        {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
+                        {"--emulate", on_boards, "--boards"},
+                        {"--stepped", request.boards.emulate, "--emulate"},
+                        {"--board-hosts", on_boards, "--boards"},
+                        {"--board-fault", on_boards && request.boards.emulate, "--boards and --emulate"},
+                        {"--force-sensor", on_boards, "--boards"},
+                        {"--force-calibration", !request.boards.sensors.empty(), "--force-sensor"},
+                        {"--json", !live, "no --live beside it"},
+                        {"--report", !live, "no --live beside it"},
+                        {"--pace", live && (!on_boards || request.boards.stepped), "--live, and --stepped on boards"},
+                        {"--silence", live, "--live"}});
   if (live && !on_boards) return run_live_lines(request);
   require_writable(request.output, request.common.json, request.common.report);
   const Scenario scenario = read_scenario(request.scenario);

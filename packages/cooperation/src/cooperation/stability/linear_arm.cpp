@@ -36,7 +36,7 @@ MatrixXd drag_of(const Model& model, const ArmState& state) {
   FrictionOptions options;
   options.share = 1.0;
   FrictionCompensation friction(model, options);
-  friction.locate(state);
+  friction.set_axis_states(state);
   MatrixXd out = MatrixXd::Zero(model.joints(), model.joints());
   for (int k = 0; k < friction.axes(); ++k) {
     const auto odd = [&](double speed) {

@@ -340,7 +340,7 @@ class BoardRun : private BoardLoop {
     repeat(options_.release, [this, relief] {
       const double share = (time_ - out_.release_at) / options_.release;
       bound_ = std::max(kLeastForce, relief * (1.0 - share));
-      control_->relieve_beyond(bound_);
+      control_->set_relief_force(bound_);
       work();
     });
   }

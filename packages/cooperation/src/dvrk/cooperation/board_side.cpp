@@ -126,7 +126,7 @@ void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, dou
   const VectorXd& wanted = loop_->torque(target, exerted);
   supervisor_->set_holding_torque(loop_->extra_torque());
   drive(wanted, exerted, age, dt);
-  loop_->sent(tau_);
+  loop_->set_sent_torques(tau_);
 }
 
 void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, double age,

@@ -186,7 +186,7 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
 DvrkArm dvrk_arm(const DvrkRequest& request) {
   if (request.config.empty() && request.arm.empty())
     throw CLI::ValidationError("dvrk", "expected --config or --arm");
-  expect_needs(*request.command, {{"--robot", !request.config.empty(), "--config"}});
+  expect_prerequisites(*request.command, {{"--robot", !request.config.empty(), "--config"}});
   const std::vector<std::string> known = dvrk::arm_names();
   if (!request.arm.empty()) expect_one_of("--arm", request.arm, known);
   DvrkArm arm;
@@ -205,7 +205,7 @@ DvrkArm dvrk_arm(const DvrkRequest& request) {
                "--arm", "found ", request.arm, ", but the robot of ", request.config, " is ",
                arm.robot.name);
   const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
-  expect_needs(*request.command, {{"--instrument", is_known(name), "--arm with a known arm"}});
+  expect_prerequisites(*request.command, {{"--instrument", is_known(name), "--arm with a known arm"}});
   if (is_known(name)) {
     const dvrk::ArmFacts facts = dvrk::read_arm(name);
     arm.coupling = value_of("--instrument", [&] { return facts.coupling(request.instrument); });

@@ -276,7 +276,7 @@ std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request) {
 
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   require_writable(request.common.json, request.config_out);
-  expect_needs(*request.command, {{"--start", !request.models.empty(), "--model"}});
+  expect_prerequisites(*request.command, {{"--start", !request.models.empty(), "--model"}});
   Emulated world(request);
   BoardEmulator& emulator = world.emulator;
   if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(world.arms)));

@@ -62,15 +62,15 @@ void require_inputs(const DvrkRequest& request) {
   const std::string& name = request.controller;
   const bool pid = name == "pid";
   const bool plays = name != "gravity";
-  expect_needs(*request.command, {{"--gains", name != "gravity" && !request.model.empty(),
-                                   "--model and another controller than gravity"},
-                                  {"--tip", name == "impedance", "--controller impedance"},
-                                  {"--stiffness", name == "impedance", "--controller impedance"},
-                                  {"--seconds", !plays, "--controller gravity"},
-                                  {"--trajectory", plays, "another controller than gravity"},
-                                  {"--approach-speed", plays, "another controller than gravity"},
-                                  {"--largest-error", plays, "another controller than gravity"},
-                                  {"--event", request.emulate, "--emulate"}});
+  expect_prerequisites(*request.command, {{"--gains", name != "gravity" && !request.model.empty(),
+                                           "--model and another controller than gravity"},
+                                          {"--tip", name == "impedance", "--controller impedance"},
+                                          {"--stiffness", name == "impedance", "--controller impedance"},
+                                          {"--seconds", !plays, "--controller gravity"},
+                                          {"--trajectory", plays, "another controller than gravity"},
+                                          {"--approach-speed", plays, "another controller than gravity"},
+                                          {"--largest-error", plays, "another controller than gravity"},
+                                          {"--event", request.emulate, "--emulate"}});
   expect_value(request.gains.empty() || request.command->count("--stiffness") == 0, "--stiffness",
                "found --gains beside it, expected one of them");
   expect_value(!plays || !request.trajectory.empty(), "--trajectory",

@@ -143,7 +143,7 @@ int ConfigNode::choice(const std::string& name, const std::vector<std::string>& 
   if (!has(name)) return fallback;
   const std::string given = word(name);
   for (std::size_t k = 0; k < words.size(); ++k)
-    if (lower(given) == lower(words[k])) return static_cast<int>(k);
+    if (to_lower(given) == to_lower(words[k])) return static_cast<int>(k);
   at(name).fail("'" + given + "'", "one of: " + listed(words));
 }
 

@@ -100,7 +100,7 @@ bool MotionRun::control() noexcept {
   before_ = now;
   if (!controller_.torques(arm_.state(), wanted_, times, tau_)) return false;
   arm_.set_torques(tau_);
-  controller_.sent(arm_.command().tau);
+  controller_.set_sent_torques(arm_.command().tau);
   return true;
 }
 

@@ -145,9 +145,9 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   return true;
 }
 
-void ModelController::sent(const VectorXd& tau) noexcept {
+void ModelController::set_sent_torques(const VectorXd& tau) noexcept {
   sent_ = tau.head(sent_.size());
-  cycle_.sent(sent_);
+  cycle_.set_sent_torques(sent_);
 }
 
 std::string ModelController::refusal_reason() const {

@@ -62,7 +62,7 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
-  void sent(const VectorXd& tau) noexcept override;  ///< tau in the scale of the drives
+  void set_sent_torques(const VectorXd& tau) noexcept override;  ///< tau in the scale of the drives
   std::string refusal_reason() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;

@@ -45,7 +45,7 @@ class MotionController {
 
   /// Torques (n of the arm) of tau that the motors received after current limits. Neither throws nor
   /// allocates.
-  virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
+  virtual void set_sent_torques(const VectorXd& tau) noexcept { (void)tau; }
 
   /// Reason for which torques() returned false.
   virtual std::string refusal_reason() const { return ""; }
