@@ -155,7 +155,7 @@ std::string recordings_apart(const Identification& evaluated) {
       const double limit = std::max(identifying::numbers.below_any_sensor, identifying::numbers.far_above_floor * floor);
       const RecordingError* least = *std::min_element(all.begin(), all.end(), [i](const auto* a, const auto* b) { return a->error.relative[i] < b->error.relative[i]; });
       const double times = r->error.relative[i] / limit;
-      if (!(times > identifying::numbers.outstanding) || least->error.relative[i] > limit) continue;
+      if (!std::isfinite(times) || !(times > identifying::numbers.outstanding) || least->error.relative[i] > limit) continue;
       apart = true;
       if (times > most) most = times, worst = r, best = least, joint = i;
     }
