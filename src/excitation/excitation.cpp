@@ -130,7 +130,7 @@ std::vector<int> slow_joints(const Question& question, const Model& arm) {
   return all;
 }
 
-// A question together with its columns.
+// A question together with the regressors of the base columns that it is about.
 struct Asked {
   Asked(const Model& arm, const std::vector<int>& columns, const ExcitationOptions& options,
         double seconds)
@@ -142,7 +142,7 @@ struct Asked {
   Question question;
 };
 
-// Data shared by successive searches.
+// Runs the searches from all starts and describes the best motion that they find.
 class Design {
  public:
   Design(const Model& arm, const ExcitationOptions& options, const NonlinearSolver& solver)

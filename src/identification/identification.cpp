@@ -114,7 +114,8 @@ void restore_fixed_parameters(const std::vector<StandardParameter>& parameters, 
   }
 }
 
-void describe_base(const Model& arm, const BaseParameters& base, const VectorXd& beta,
+// Sets id.base, and in id.parameter_deviations the deviations of parameters that are identifiable alone (else NaN).
+void set_base_values(const Model& arm, const BaseParameters& base, const VectorXd& beta,
                    const VectorXd& std, Identification& id) {
   const auto parameters = standard_parameters(arm);
   id.parameter_deviations = VectorXd::Constant(parameters.size(), kNaN);
@@ -190,7 +191,7 @@ void set_solution(const Model& arm, const std::vector<CompressedRecording>& reco
   const auto parameters = standard_parameters(arm);
   restore_fixed_parameters(parameters, id.parameters);
   id.feasible = all_bodies_possible(arm, id.parameters);
-  describe_base(arm, base, beta, solution.std, id);
+  set_base_values(arm, base, beta, solution.std, id);
   ModelDescription description =
       with_values(arm, id.parameters, id.parameter_deviations).description();
   for (size_t k = 0; k < description.frames.size(); ++k) {

@@ -121,7 +121,7 @@ TEST(TheComparison, NamesOneFactorOfAllTorques) {
 }
 
 // That one file has no friction is a difference of the files.
-TEST(TheComparison, HasNoFrictionOfAJointWithoutSuchTermsInOneFile) {
+TEST(TheComparison, ReportsNoFrictionDifferenceIfOnlyOneModelHasFriction) {
   const Model before = with_statistics(planar(), 0.001, 8, 1);
   ModelDescription d = planar().description();
   d.effects.clear();

@@ -30,8 +30,8 @@ struct CooperativeOptions {
   /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
   /// member's length explains; checked where its stiffness is known.
   double jump_force = 1.0;
-  /// [N] largest difference between a reading and the force that the member's length implies, both relative
-  /// to the moment when the wanted force last arrived; checked if the stiffness is known. The bound increases
+  /// [N] largest difference between the change of a reading and the change that the member's length implies, both
+  /// since the wanted force last arrived; checked if the stiffness is known. The bound increases
   /// by `drift_length` [m] times the stiffness, by `drift_way` times the stiffness for each metre that an end
   /// has moved since, and by the effect of a stiffness that is wrong by the factor `drift_factor`.
   double drift_force = 0.5;
@@ -69,13 +69,13 @@ struct CooperativeInput {
 
 /// Reference of a tip, in the world.
 struct TipTarget {
-  Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): motion and force [m]
+  Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): x_d, corrected by the force [m]
   Eigen::Vector3d motion{Eigen::Vector3d::Zero()};  ///< x_d: reference of the motion alone [m]
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] derivative of x_d
   Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] second derivative of x_d
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
-  /// Part of position, velocity and acceleration by which the tip retreats while targets are held,
-  /// for arms that otherwise hold their own position.
+  /// The part of position, velocity and acceleration above by which the tip yields while targets are held, else
+  /// zero. An arm that holds its measured position instead of the target adds this part to it.
   TetherGuard::Motion relief{};
 };
 

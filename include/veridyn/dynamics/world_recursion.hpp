@@ -572,8 +572,8 @@ struct WorldRecursion {
     Vec3<L> spin;
   };
 
-  /// Computes half of the accelerations of all joints by position and by velocity of each joint of
-  /// group g, side by side, since each step waits for the one before; needs articulated_changes().
+  /// Computes -1/2 times the derivatives of all joints' accelerations with respect to the positions and velocities of
+  /// group g, both side by side, since each step waits for the one before. Needs articulated_changes().
   ///
   /// @param x  one entry per link, `width` apart; accelerations by velocity are groups(links) later.
   void respond_to_motion(const Links& tree, int g, int width, L* x, Response* memory) const {
@@ -598,7 +598,8 @@ struct WorldRecursion {
     }
   }
 
-  /// Computes the accelerations by the torques of group g, of the joints up to its last; needs articulate().
+  /// Computes derivatives with respect to the torques of group g: those of the accelerations of all joints up to
+  /// the group's last. Needs articulate(). @param x  one entry per link, `width` apart.
   void respond_to_torque(const Links& tree, int g, int width, L* x, Response* memory) const {
     const int first = g * lanes();
     const int end = first + lanes() < tree.count ? first + lanes() : tree.count;

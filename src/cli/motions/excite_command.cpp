@@ -120,8 +120,8 @@ CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
   return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
 }
 
-// Estimates the torque noise as the residual of an identification from the recordings of --noise-of. Returns
-// the reason if that fails, else "".
+// Sets o.noise to the residual of an identification from the recordings of --noise-of, and o.valued to the identified
+// model if there are no other values. Returns the reason if that fails, else "".
 std::string estimate_noise(const ExciteRequest& request, const Model& arm, ExcitationOptions& o) {
   IdentificationOptions how;
   how.friction = o.friction;
@@ -138,6 +138,7 @@ std::string estimate_noise(const ExciteRequest& request, const Model& arm, Excit
   return "";
 }
 
+// @param made_up_words  output: a warning if values were made up, else unchanged.
 ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
                              std::string& made_up_words) {
   ExcitationOptions o = request.options;

@@ -161,7 +161,7 @@ class Builder {
       Term one = t;
       one.effect.values = choice;
       for (const EffectParameter& p : parameters) one.effect.values.erase(p.name);
-      one.shapes = shapes_of(effect, motion, choice);
+      one.shapes = searched_shapes(effect, motion, choice);
       out_.push_back(std::move(one));
     }
   }
@@ -172,8 +172,9 @@ class Builder {
     return count > 1;
   }
 
-  // The range of each searched constant: up to its neighbours in the grid.
-  static std::vector<TermShape> shapes_of(const Effect& effect, const AxisMotion& motion, const ShapeChoice& choice) {
+  // The constants of the effect that the search adjusts, each with its bounds and a first step: half the distance
+  // (for logarithmic constants the root of the ratio) from its value in `choice` to a neighbour in the grid.
+  static std::vector<TermShape> searched_shapes(const Effect& effect, const AxisMotion& motion, const ShapeChoice& choice) {
     std::vector<TermShape> out;
     std::map<std::string, std::vector<double>> values;
     for (const ShapeChoice& other : effect.grid(motion)) {

@@ -71,12 +71,14 @@ class SdfReader {
     file_ = found.front();
   }
 
+  // The number in a child element, infinite ones included, or `otherwise` without such an element.
   double number(pugi::xml_node node, const char* child, double otherwise) const {
     const pugi::xml_node element = node.child(child);
     return element ? xml_.number(element, child, element.text().get()) : otherwise;
   }
 
-  double finite(pugi::xml_node node, const char* child, double otherwise) const {
+  // As number(), but refuses infinite numbers.
+  double finite_number(pugi::xml_node node, const char* child, double otherwise) const {
     const pugi::xml_node element = node.child(child);
     return element ? xml_.numbers(element, child, element.text().get(), 1, 1)[0] : otherwise;
   }
@@ -168,10 +170,10 @@ class SdfReader {
     const std::string leader = mimic.attribute("joint").value();
     for (std::size_t other = 0; other < joints_.size(); ++other) {
       if (joints_[other].name != leader) continue;
-      const double multiplier = finite(mimic, "multiplier", 1.0);
+      const double multiplier = finite_number(mimic, "multiplier", 1.0);
       joints_[j].follows = true;
       joints_[j].shares = {{static_cast<int>(other), multiplier}};
-      joints_[j].constant = finite(mimic, "offset", 0.0) - multiplier * finite(mimic, "reference", 0.0);
+      joints_[j].constant = finite_number(mimic, "offset", 0.0) - multiplier * finite_number(mimic, "reference", 0.0);
       return;
     }
     xml_.fail(mimic, "mimic of the joint '" + leader + "'", "a joint that moves");
@@ -260,8 +262,8 @@ class SdfReader {
     if (automatic == "true" || automatic == "1") xml_.fail(inertial, "inertia computed from collisions", "its values");
     if (inertial.child("fluid_added_mass")) xml_.fail(inertial.child("fluid_added_mass"), "added mass of a fluid", "none");
     const pugi::xml_node entries = inertial.child("inertia");
-    const double xx = finite(entries, "ixx", 1.0), yy = finite(entries, "iyy", 1.0), zz = finite(entries, "izz", 1.0);
-    const double xy = finite(entries, "ixy", 0.0), xz = finite(entries, "ixz", 0.0), yz = finite(entries, "iyz", 0.0);
+    const double xx = finite_number(entries, "ixx", 1.0), yy = finite_number(entries, "iyy", 1.0), zz = finite_number(entries, "izz", 1.0);
+    const double xy = finite_number(entries, "ixy", 0.0), xz = finite_number(entries, "ixz", 0.0), yz = finite_number(entries, "iyz", 0.0);
     Eigen::Matrix3d I;
     I << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     const pugi::xml_node pose = inertial.child("pose");
@@ -269,7 +271,7 @@ class SdfReader {
     const std::string base = pose.attribute("relative_to").value();
     if (!base.empty())
       T = place_of(link, link.attribute("name").value(), 0).inverse(Eigen::Isometry) * place_of(pose, base, 0) * T;
-    return body_of(xml_, inertial ? inertial : link, finite(inertial, "mass", 1.0), T, I);
+    return body_of(xml_, inertial ? inertial : link, finite_number(inertial, "mass", 1.0), T, I);
   }
 
   void effects(std::size_t j) {
@@ -277,13 +279,13 @@ class SdfReader {
     const Axis axis{variables_[j].coefficients, 0.0};
     if (axis.coefficients.isZero(0.0)) return;
     const auto add = [&](const char* element, const char* effect, const Axis& along) {
-      const double value = finite(dynamics, element, 0.0);
+      const double value = finite_number(dynamics, element, 0.0);
       if (value < 0.0) xml_.fail(dynamics.child(element), text("a ", element, " of ", value), "one that is not negative");
       add_effect(model_, xml_.path(), effect, along, value);
     };
     add("damping", "damping", axis);
     add("friction", "friction", axis);
-    add("spring_stiffness", "stiffness", {axis.coefficients, variables_[j].offset - finite(dynamics, "spring_reference", 0.0)});
+    add("spring_stiffness", "stiffness", {axis.coefficients, variables_[j].offset - finite_number(dynamics, "spring_reference", 0.0)});
   }
 
   XmlFile xml_;

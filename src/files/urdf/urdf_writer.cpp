@@ -155,7 +155,8 @@ class UrdfWriter {
     return same && term.effect == same->first && term.values.count(same->second) == 1;
   }
 
-  double dynamics(int coordinate, const char* attribute) const {
+  // Value of the attribute of <dynamics> ("damping" or "friction") of a coordinate: the sum of its terms.
+  double dynamics_value(int coordinate, const char* attribute) const {
     double sum = 0.0;
     for (const EffectTerm& term : arm_.effects()) {
       const bool here = represents(term, attribute) && damping_or_friction(term) &&
@@ -218,8 +219,8 @@ class UrdfWriter {
     line(2, fmt::format("<limit lower=\"{}\" upper=\"{}\" velocity=\"{}\" effort=\"{}\"/>",
                         xml_number(bounded(limits.lower)), xml_number(bounded(limits.upper)),
                         xml_number(bounded(limits.velocity)), xml_number(bounded(limits.effort))));
-    const double damping = dynamics(j.coordinate, "damping");
-    const double level = dynamics(j.coordinate, "friction");
+    const double damping = dynamics_value(j.coordinate, "damping");
+    const double level = dynamics_value(j.coordinate, "friction");
     if (damping != 0.0 || level != 0.0) {
       line(2, fmt::format("<dynamics damping=\"{}\" friction=\"{}\"/>", xml_number(damping),
                           xml_number(level)));

@@ -229,7 +229,7 @@ QuickFit QuickFitter::fit(const std::shared_ptr<const RegressorMoments>& moments
     out.together = solution(Q).normalized();
   }
   if (out.together.sum() < 0.0) out.together *= -1.0;
-  out.contradictions = contradictions(out);
+  out.contradictions = contradiction_cost(out);
   out.misfit = sum_of_logs(out.shares) + out.contradictions;
   out.fitted_misfit = sum_of_logs(out.fitted) + out.contradictions;
   out.values = beta;
@@ -247,7 +247,9 @@ double QuickFitter::misfit_of(const VectorXd& values, const RegressorMoments& mo
   return sum_of_logs(shares);
 }
 
-double QuickFitter::contradictions(const QuickFit& fit) const {
+// Sum over the joints of the costs of friction that clearly feeds power, and of torques that have the opposite sign or
+// another magnitude than the file's values imply.
+double QuickFitter::contradiction_cost(const QuickFit& fit) const {
   double out = 0.0;
   for (Eigen::Index i = 0; i < fit.shares.size(); ++i) {
     const double rest = checking::kFrictionAboveRest * std::sqrt(fit.shares[i]);

@@ -35,9 +35,9 @@ RecordedFacts facts_of(const Recording& recording, const PreprocessingOptions& o
 struct QuickFit {
   VectorXd shares;  ///< unexplained share of each joint's squared torque
   MatrixXd folds;   ///< (joints x folds) these shares in each fold
-  /// Sum over the joints of log(share), plus costs of contradictions to physics or to the file's values.
+  /// Sum over the joints of log(share), plus contradictions.
   double misfit = 0.0;
-  double contradictions = 0.0;  ///< the part of the misfit from contradictions to the file's values
+  double contradictions = 0.0;  ///< the part of the misfit from those costs, see contradiction_cost()
   VectorXd fitted;                 ///< (n) unexplained share in the fit to all rows, none of them held out
   double fitted_misfit = 0.0;      ///< the misfit of that fit
   VectorXd values;                 ///< base parameters of that fit; empty if the recording allows none
@@ -90,7 +90,7 @@ class QuickFitter {
 
  private:
   double ratio(const MatrixXd& products, const std::vector<int>& columns) const;
-  double contradictions(const QuickFit& fit) const;
+  double contradiction_cost(const QuickFit& fit) const;
   void add_power(const MatrixXd& dq, RegressorMoments& out) const;
 
   Model given_, arm_;

@@ -84,6 +84,7 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
   }
   bool names = false;
   bool positions = false;
+  // leaf_of() numbers the leaves in the order of plan_.paths.
   for (const std::string& path : plan_.paths) {
     names = names || is_last(path, "name");
     positions = positions || is_last(path, "position");
@@ -92,7 +93,6 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
     useful_ = useful_ || signal;
     leaf_of(path);
   }
-  // Numbers the leaves in the order of plan_.paths.
   if (leaves_.size() != plan_.paths.size()) {
     problem_ = "its definition gives two fields one name";
     return;

@@ -98,7 +98,8 @@ class PivotFit {
     weighted_ = true;
   }
 
-  // Huber's weights, and finally zero for outliers.
+  // Sets the weights of the poses: Huber's weights, or, with a threshold `outlier` above zero [standard deviations],
+  // 1 for inliers and 0 for outliers.
   void weigh(double outlier) {
     out_.is_outlier.assign(poses_.size(), 0);
     for (std::size_t k = 0; k < poses_.size(); ++k) {

@@ -42,6 +42,7 @@ class Experiment {
   /// Last measurements of the controller.
   const CooperativeInput& measured_input() const { return *input_; }
   StepStatus status() const { return status_; }
+  /// Effects of the models that the simulation of some arm does not support, in words, each once.
   std::vector<std::string> left_out() const;
 
  private:

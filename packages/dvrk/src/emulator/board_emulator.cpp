@@ -141,7 +141,8 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   return place < 0 ? Answer() : read(request, place, reply);
 }
 
-// The board that answers a read; -1: none. Only boards behind the hub ignore a wrong CRC: specification 2.4.
+// Index of the board that executes a request to one node; -1: none. The hub executes a request despite a wrong
+// CRC, but does not forward it to other boards (specification 2.4).
 int BoardEmulator::requesting_reader(const Request& request) const noexcept {
   const bool local = (request.flags & kNoForward) != 0;
   const BoardSetup& its = boards_[hub()].setup();

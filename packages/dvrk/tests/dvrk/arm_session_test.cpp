@@ -322,7 +322,7 @@ TEST(ArmSessionBoards, WithOtherSerialNumbersThanConfiguredAreRefused) {
   }
 }
 
-TEST(ArmSessionBoards, SerialNumbersAreReadInBothForms) {
+TEST(ArmSessionBoards, SerialNumbersAreReadFromXmlAndJson) {
   IoConfig config = read_io_config(std::string(VERIDYN_SOURCE_DIR) +
                                    "/data/dvrk/sawRobotIO1394-PSM1-example.xml");
   config.robots[0].board_serials = {{6, "1234-56"}, {7, "1234-57"}};

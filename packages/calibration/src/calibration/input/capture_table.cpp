@@ -130,7 +130,7 @@ class Reader {
     if (is_long_) name = body + (body.empty() || name.empty() ? "" : "/") + name;
     require(!is_long_ || !name.empty(), path_, ":", lines_.number(),
             ": found no name, expected the marker or body of the row.");
-    read_components(fields, std::min(filled, count), is_long_ ? slashed(name) : "");
+    read_components(fields, std::min(filled, count), is_long_ ? name_with_slashes(name) : "");
   }
 
   bool has(Kind kind) const {
@@ -138,7 +138,8 @@ class Reader {
                        [kind](const CaptureColumn& c) { return c.kind == kind; });
   }
 
-  static std::string slashed(const std::string& name) {
+  // The name with slashes as separators, as the column headers of a wide table give it.
+  static std::string name_with_slashes(const std::string& name) {
     return capture_column(name + "/x").object;
   }
 

@@ -5,6 +5,7 @@
 namespace veridyn {
 namespace {
 
+// Reads a law; read_member() handles the kind `tuned`, which only needs to be a known word here.
 ForceLaw read_law(const YamlNode& node, double stiffness) {
   node.allow_keys({"kind", "deadband", "increment", "gain", "proportional", "damping",
                    "feed_forward", "reach", "stiffness"});
@@ -12,7 +13,7 @@ ForceLaw read_law(const YamlNode& node, double stiffness) {
   law.kind =
       choice<ForceLaw::Kind>(node.at("kind"), {{"increment", ForceLaw::Kind::kIncrement},
                                                {"proportional", ForceLaw::Kind::kProportional},
-                                               {"tuned", ForceLaw::Kind::kProportional}});  // see read_member()
+                                               {"tuned", ForceLaw::Kind::kProportional}});
   law.deadband = nonnegative_or(node, "deadband", 0.0);
   law.increment = nonnegative_or(node, "increment", 0.0);
   law.gain = nonnegative_or(node, "gain", 0.0);

@@ -107,6 +107,7 @@ class ClosedLoop {
   void assign_states(const LinearPoint& point, const Scenario& scenario);
   void prepare_arm(int k, const Scenario& scenario);
   void prepare_element(int k, const Scenario& scenario);
+  // Linearises the arms with their attached elements and sets transition_ and input_ by an exact discretisation.
   void prepare_plant();
   MatrixXd line_map(int k) const;  // (3 x joints): end minus start, true
   bool sampled(const Element& e, long k) const;

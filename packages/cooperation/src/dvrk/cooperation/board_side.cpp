@@ -42,13 +42,13 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
       dq_(q_),
       tau_(q_),
       rest_(q_),
-      all_(VectorXd::Zero(session_.size())),
+      all_(VectorXd::Zero(session_.joints())),
       state_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
       touch_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
       input_(joints_),
       checks_(options.checks) {
-  require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
-          joints_, " joints, but boards for ", session_.size(), ".");
+  require(joints_ <= session_.joints(), "arm '", scenario.arms[index].name, "': found a model of ",
+          joints_, " joints, but boards for ", session_.joints(), ".");
   // Emulated boards share the machine with this program, and answer late if it is busy.
   for (int left = options.emulate ? kStarts : 1;;) {
     try {

@@ -114,7 +114,7 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   add_seconds(command, *request, "Duration [s] (default: until Ctrl-C)");
 }
 
-void add_clients(CLI::App& dvrk, Outcome& outcome) {
+void add_monitor_and_read(CLI::App& dvrk, Outcome& outcome) {
   const auto monitor = std::make_shared<DvrkRequest>();
   monitor->rate = 25.0;
   CLI::App& live = add(dvrk, "monitor",
@@ -241,7 +241,7 @@ void add_dvrk_command(CLI::App& tool, Outcome& outcome) {
       *tool.add_subcommand("dvrk", "Drive, monitor or emulate boards of a da Vinci Research Kit");
   dvrk.require_subcommand(1);
   add_emulate(dvrk, outcome);
-  add_clients(dvrk, outcome);
+  add_monitor_and_read(dvrk, outcome);
   add_run(dvrk, outcome);
   add_dvrk_config(dvrk);
 }

@@ -50,10 +50,10 @@ RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& 
             "': found a time of ", seconds, " s to approach, to settle or for power, expected 0 or more.");
   RunOptions all = options;
   if (all.largest_error.size() == 0) all.largest_error = default_largest_errors(arm.robot());
-  require(all.largest_error.size() == arm.size() && (all.largest_error.array() > 0.0).all() &&
+  require(all.largest_error.size() == arm.joints() && (all.largest_error.array() > 0.0).all() &&
               options.approach_speed > 0.0,
           "arm '", arm.robot().name, "': found ", all.largest_error.size(),
-          " largest errors, expected ", arm.size(),
+          " largest errors, expected ", arm.joints(),
           " positive ones, and a positive approach speed.");
   const MotionCheck check(arm, controller, motion.joints());
   if (motion.joints() > 0) check.require_inside(motion, options.rate);
@@ -74,7 +74,7 @@ VectorXd default_largest_errors(const RobotConfig& robot) {
 
 // Computed as if only one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm) {
-  const int n = arm.size();
+  const int n = arm.joints();
   VectorXd effort(n);
   for (int i = 0; i < n; ++i) {
     const ActuatorConfig& a = arm.robot().actuators[i];
@@ -88,9 +88,9 @@ VectorXd largest_torques(const ArmSession& arm) {
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                      MotionController& controller, const RunOptions& options,
                      const std::atomic<bool>& stop) {
-  require(motion.rows() >= 2 && motion.joints() >= 1 && motion.joints() <= arm.size(), "arm '",
+  require(motion.rows() >= 2 && motion.joints() >= 1 && motion.joints() <= arm.joints(), "arm '",
           arm.robot().name, "': found a motion of ", motion.joints(), " joints and ", motion.rows(),
-          " rows, expected 1 to ", arm.size(), " joints and 2 rows.");
+          " rows, expected 1 to ", arm.joints(), " joints and 2 rows.");
   require(motion.dq.rows() == motion.rows() && motion.q.allFinite() && motion.dq.allFinite() &&
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
@@ -101,8 +101,8 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop) {
-  require(gains.p.size() == arm.size(), "arm '", arm.robot().name, "': found gains of ",
-          gains.p.size(), " joints, expected ", arm.size(), ".");
+  require(gains.p.size() == arm.joints(), "arm '", arm.robot().name, "': found gains of ",
+          gains.p.size(), " joints, expected ", arm.joints(), ".");
   PidController pid(gains, kIntegralShare * largest_torques(arm), 1.0 / options.rate);
   return run_motion(arm, link, motion, pid, options, stop);
 }
@@ -110,9 +110,9 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
 RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int joints,
                        MotionController& controller, const RunOptions& options,
                        const std::atomic<bool>& stop) {
-  require(seconds > 0.0 && std::isfinite(seconds) && joints >= 1 && joints <= arm.size(), "arm '",
+  require(seconds > 0.0 && std::isfinite(seconds) && joints >= 1 && joints <= arm.joints(), "arm '",
           arm.robot().name, "': found ", seconds, " s and ", joints,
-          " joints, expected a positive time and 1 to ", arm.size(), " joints.");
+          " joints, expected a positive time and 1 to ", arm.joints(), " joints.");
   MotionSamples none;
   none.time = Eigen::Vector2d(0.0, seconds);
   none.q = none.dq = MatrixXd(2, 0);
@@ -174,8 +174,8 @@ LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rat
 RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                          const std::atomic<bool>& stop, const std::string& recording) {
   require_time(arm, seconds, rate);
-  RowKeeper keeper(arm.size(), seconds, rate);
-  RowFile file(recording, keeper, arm.size());
+  RowKeeper keeper(arm.joints(), seconds, rate);
+  RowFile file(recording, keeper, arm.joints());
   RunResult result;
   arm.start();
   CycleClock clock(link, rate);
@@ -184,7 +184,7 @@ RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, do
     return !file.failed();
   });
   result.timing = clock.timing();
-  result.rows = keeper.extract_rows(arm.size());
+  result.rows = keeper.extract_rows(arm.joints());
   const Eigen::Index rows = result.rows.rows();
   const double last = rows > 0 ? result.rows.time[rows - 1] : 0.0;
   result.remark = encoder_remark(arm.boards().faults());

@@ -235,7 +235,7 @@ const char* ArmSession::power_on() noexcept {
 
 // @returns the reason for a failure; empty after success.
 std::string ArmSession::average_pots(VectorXd& mean) {
-  VectorXd low = VectorXd::Constant(size(), 65535.0);
+  VectorXd low = VectorXd::Constant(joints(), 65535.0);
   VectorXd high = VectorXd::Zero(size());
   mean.setZero(size());
   int readings = 0;
@@ -294,7 +294,7 @@ std::string ArmSession::load_from_pots() {
   const PowerState power = boards_.state();
   if (power != PowerState::kOff && power != PowerState::kFault) return "power is on";
   homed_ = false;
-  VectorXd mean(size());
+  VectorXd mean(joints());
   const std::string unrest = average_pots(mean);
   if (!unrest.empty()) return unrest;
   homing_.actuator_q = VectorXd::Zero(size());
@@ -307,7 +307,7 @@ const HomingReport& ArmSession::home() {
   homing_.reason = load_from_pots();
   if (!homing_.reason.empty()) return homing_;
   units_.reset();
-  for (int i = 0; i < size(); ++i) {
+  for (int i = 0; i < joints(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double slack =
         k < robot().pot_tolerances.size() ? robot().pot_tolerances[k].distance : 0.0;

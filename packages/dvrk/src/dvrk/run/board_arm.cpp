@@ -63,7 +63,7 @@ struct BoardArm::Parts {
         kd(wiring.kd),
         link(options.host, options.port),
         session(link, wiring.robot, session_of(wiring, options)),
-        held(VectorXd::Zero(session.size())),
+        held(VectorXd::Zero(session.joints())),
         all(held) {}
 
   VectorXd kp, kd;
@@ -82,7 +82,7 @@ BoardArm::BoardArm(const BoardArmOptions& options) {
 
 BoardArm::~BoardArm() = default;
 
-int BoardArm::joints() const { return parts_->session.size(); }
+int BoardArm::joints() const { return parts_->session.joints(); }
 const VectorXd& BoardArm::q() const { return parts_->session.state().q; }
 const VectorXd& BoardArm::dq() const { return parts_->session.state().dq; }
 const VectorXd& BoardArm::tau() const { return parts_->session.state().tau; }

@@ -25,7 +25,7 @@ MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controll
                          Eigen::Index joints)
     : arm_(arm.robot().name), braking_(controller.limits().braking) {
   const MotionLimits limits = controller.limits();
-  const auto n = static_cast<Eigen::Index>(arm.size());
+  const auto n = static_cast<Eigen::Index>(arm.joints());
   for (Eigen::Index j = 0; j < std::min(joints, limits.lower.size()); ++j)
     guards_.push_back({text("joint ", limits.names[j]),
                        "limits of the robot file",
@@ -33,7 +33,7 @@ MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controll
                        {limits.lower[j], limits.upper[j]},
                        limits.velocity[j]});
   const MatrixXd& to_actuator = arm.units().joint_to_actuator();
-  for (int i = 0; i < arm.size(); ++i) {
+  for (int i = 0; i < arm.joints(); ++i) {
     const PositionRange range = soft_limits(arm.robot().actuators[i]);
     actuators_.push_back(range);
     const VectorXd row = to_actuator.row(i).transpose();

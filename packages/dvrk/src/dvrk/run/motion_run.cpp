@@ -43,11 +43,11 @@ MotionRun::MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& m
       points_(motion),
       controller_(controller),
       check_(check),
-      keeper_(arm.size(), points_.duration(), options.rate),
+      keeper_(arm.joints(), points_.duration(), options.rate),
       file_(options.recording, keeper_, recorded),
       clock_(link, options.rate),
-      wanted_(arm.size()),
-      tau_(VectorXd::Zero(arm.size())) {}
+      wanted_(arm.joints()),
+      tau_(VectorXd::Zero(arm.joints())) {}
 
 RunResult MotionRun::run() {
   const bool done = power_up() && approach() && play();

@@ -219,6 +219,7 @@ class BoardBus {
 
   bool nodes_known() const noexcept;
   void write_blocks() noexcept;
+  /// After a write: keeps the commands written for check_commands(), and empties the board's next command.
   void store_written(Board& b) noexcept;
   bool one_group() const noexcept;
 

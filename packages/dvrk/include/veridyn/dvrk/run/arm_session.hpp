@@ -105,7 +105,7 @@ class ArmSession {
 
   /// True if power is on and all brakes are open, so that torques act.
   bool ready() const;
-  int size() const { return units_.size(); }
+  int joints() const { return units_.size(); }
   const RobotConfig& robot() const { return units_.robot(); }
   const ArmUnits& units() const { return units_; }
   const MatrixXd& coupling() const { return units_.actuator_to_joint(); }
