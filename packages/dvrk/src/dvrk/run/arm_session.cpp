@@ -236,7 +236,7 @@ const char* ArmSession::power_on() noexcept {
 // @returns the reason for a failure; empty after success.
 std::string ArmSession::average_pots(VectorXd& mean) {
   VectorXd low = VectorXd::Constant(joints(), 65535.0);
-  VectorXd high = VectorXd::Zero(size());
+  VectorXd high = VectorXd::Zero(joints());
   mean.setZero(size());
   int readings = 0;
   for (int trial = 0; trial < 2 * options_.pot_readings && readings < options_.pot_readings;
@@ -297,7 +297,7 @@ std::string ArmSession::load_from_pots() {
   VectorXd mean(joints());
   const std::string unrest = average_pots(mean);
   if (!unrest.empty()) return unrest;
-  homing_.actuator_q = VectorXd::Zero(size());
+  homing_.actuator_q = VectorXd::Zero(joints());
   units_.pot_positions(mean, homing_.actuator_q);
   return load_encoders(homing_.actuator_q);
 }
