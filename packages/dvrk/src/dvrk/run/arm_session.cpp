@@ -237,14 +237,14 @@ const char* ArmSession::power_on() noexcept {
 std::string ArmSession::average_pots(VectorXd& mean) {
   VectorXd low = VectorXd::Constant(joints(), 65535.0);
   VectorXd high = VectorXd::Zero(joints());
-  mean.setZero(size());
+  mean.setZero(joints());
   int readings = 0;
   for (int trial = 0; trial < 2 * options_.pot_readings && readings < options_.pot_readings;
        ++trial) {
     if (boards_.update()) {
       read_raw();
       ++readings;
-      for (int i = 0; i < size(); ++i) {
+      for (int i = 0; i < joints(); ++i) {
         const double pot = raw_[i].pot;
         mean[i] += (pot - mean[i]) / readings;
         low[i] = std::min(low[i], pot);
@@ -256,7 +256,7 @@ std::string ArmSession::average_pots(VectorXd& mean) {
   }
   if (readings < options_.pot_readings)
     return text("only ", readings, " of ", options_.pot_readings, " reads were valid");
-  for (int i = 0; i < size(); ++i) {
+  for (int i = 0; i < joints(); ++i) {
     const ActuatorConfig& actuator = units_.robot().actuators[i];
     if (at_rail(mean[i]))
       return text("the pot of actuator ", i, " reads ", actuator.bits_to_volts(mean[i]),
