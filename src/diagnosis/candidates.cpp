@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSameDirection = 1e-9;  // 1 - cosine, below which two axes are the same
 
-bool is_plain(const Axis& axis) {
+bool is_single_coordinate(const Axis& axis) {
   return (axis.coefficients.array() != 0.0).count() == 1;
 }
 
@@ -36,12 +36,13 @@ std::vector<Axis> axes_of(const Model& arm) {
   }
   for (const Frame& frame : arm.frames()) {
     const Axis axis{frame.variable.coefficients, 0.0};
-    if (frame.type != JointType::kFixed && !axis.coefficients.isZero(0.0) && !is_plain(axis)) add(axis);
+    if (frame.type != JointType::kFixed && !axis.coefficients.isZero(0.0) && !is_single_coordinate(axis)) add(axis);
   }
   return out;
 }
 
-std::optional<TermIndex> own_term(const Model& arm, const std::string& effect, const Axis& axis) {
+// Index of the arm's own effect of this kind along exactly this axis, if it has one.
+std::optional<TermIndex> own_effect_index(const Model& arm, const std::string& effect, const Axis& axis) {
   for (size_t k = 0; k < arm.effects().size(); ++k) {
     const EffectTerm& term = arm.effects()[k];
     if (term.effect == effect && term.axis.coefficients == axis.coefficients) return TermIndex{k};
@@ -49,7 +50,7 @@ std::optional<TermIndex> own_term(const Model& arm, const std::string& effect, c
   return std::nullopt;
 }
 
-Candidate on_channel(const Model& arm, const ChannelEffect& channel, std::optional<JointIndex> joint,
+Candidate channel_candidate(const Model& arm, const ChannelEffect& channel, std::optional<JointIndex> joint,
                      std::optional<JointIndex> from = {}) {
   VectorXd axis = VectorXd::Zero(arm.joints());
   if (joint) axis[joint->value] = 1.0;
@@ -71,7 +72,7 @@ class Enumeration {
     for (const ChannelEffect* channel : channel_effects()) {
       const bool of_arm = channel->whole_arm() || channel->can_be_common();
       if (whole_arm && of_arm && is_testable(*channel))
-        out_.push_back(on_channel(arm_, *channel, std::nullopt));
+        out_.push_back(channel_candidate(arm_, *channel, std::nullopt));
     }
     for (const Axis& axis : axes_of(arm_)) {
       const JointIndex joint{main_coordinate(axis)};
@@ -80,7 +81,7 @@ class Enumeration {
         continue;
       for (const AxisEffect* effect : axis_effects()) add(*effect, axis, joint);
       for (const ChannelEffect* channel : channel_effects()) {
-        if (is_plain(axis) && !channel->whole_arm() && is_testable(*channel)) add(*channel, joint);
+        if (is_single_coordinate(axis) && !channel->whole_arm() && is_testable(*channel)) add(*channel, joint);
       }
     }
     if (whole_arm && scope_.changes && is_wanted(AddedLoad::kName)) {
@@ -102,12 +103,12 @@ class Enumeration {
 
   void add(const ChannelEffect& channel, JointIndex joint) {
     if (!channel.traits().uses_source) {
-      out_.push_back(on_channel(arm_, channel, joint));
+      out_.push_back(channel_candidate(arm_, channel, joint));
       return;
     }
     for (int from = 0; from < arm_.joints(); ++from) {
       const bool still = static_cast<size_t>(from) < scope_.still.size() && scope_.still[from];
-      if (from != joint.value && !still) out_.push_back(on_channel(arm_, channel, joint, JointIndex{from}));
+      if (from != joint.value && !still) out_.push_back(channel_candidate(arm_, channel, joint, JointIndex{from}));
     }
   }
 
@@ -116,8 +117,8 @@ class Enumeration {
   // first are facts.
   void add(const AxisEffect& effect, const Axis& axis, JointIndex joint) {
     const EffectTraits traits = effect.traits();
-    if (!is_wanted(effect.name()) || (!is_plain(axis) && !traits.mixed_axes)) return;
-    const std::optional<TermIndex> own = own_term(arm_, effect.name(), axis);
+    if (!is_wanted(effect.name()) || (!is_single_coordinate(axis) && !traits.mixed_axes)) return;
+    const std::optional<TermIndex> own = own_effect_index(arm_, effect.name(), axis);
     const bool changes = own && scope_.changes && !traits.uses_source;
     if (changes) out_.push_back({ChangedEffect{effect.name(), joint}, joint, axis, std::nullopt, own});
     if (changes && effect.shapes().empty()) return;
@@ -172,8 +173,8 @@ std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<Fra
   for (const ChannelEffect* channel : channel_effects()) {
     const auto* sensor = dynamic_cast<const SensorError*>(channel);
     if (sensor == nullptr || !sensor->may_begin_suddenly()) continue;
-    if (sensor->can_be_common() && n > 1) out.push_back(on_channel(arm, *sensor, std::nullopt));
-    for (int j = 0; j < n; ++j) out.push_back(on_channel(arm, *sensor, JointIndex{j}));
+    if (sensor->can_be_common() && n > 1) out.push_back(channel_candidate(arm, *sensor, std::nullopt));
+    for (int j = 0; j < n; ++j) out.push_back(channel_candidate(arm, *sensor, JointIndex{j}));
   }
   for (const FrameIndex frame : loads) out.push_back(load_candidate(arm, frame));
   return out;

@@ -25,9 +25,9 @@ struct Candidate {
   std::optional<TermIndex> own = {};
 };
 
-bool is_load(const Candidate& c);
-bool is_changed_effect(const Candidate& c);
-bool is_changed_constant(const Candidate& c);
+bool is_load(const Candidate& c);  ///< a load on a frame
+bool is_changed_effect(const Candidate& c);  ///< other values of an effect that the arm has
+bool is_changed_constant(const Candidate& c);  ///< another shape constant of an effect that the arm has
 bool is_channel(const Candidate& c);  ///< the error of a sensor, or of the arm as a whole
 
 /// Selection of candidates.
@@ -51,7 +51,7 @@ std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<Fra
 /// True for friction along an axis.
 bool is_friction(const std::string& effect);
 
-/// Frames on which a payload can be told apart from others: the last frame of every link that moves.
+/// Frames on which a payload can be distinguished from payloads on others: the last frame of every link that moves.
 std::vector<FrameIndex> payload_frames(const Model& arm);
 
 /// True if the two frames are fixed to one link.

@@ -20,7 +20,7 @@ namespace {
 
 using numerics::kPercent;
 
-std::string percents(const VectorXd& v) {
+std::string percent_cells(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i)
     out += in_percent(v[i], numerics::kNumberWidth);
@@ -79,10 +79,10 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
   }
   if (f.test_outside.size() > 0) {
     out += fmt::format("     held-out error outside of what is left out, %: {}\n     p = {:.1e}\n",
-                       percents(f.test_outside), f.p_value);
+                       percent_cells(f.test_outside), f.p_value);
   } else {
-    out += fmt::format("     held-out error, %: {} -> {}\n", percents(f.test_before),
-                       percents(f.test_after));
+    out += fmt::format("     held-out error, %: {} -> {}\n", percent_cells(f.test_before),
+                       percent_cells(f.test_after));
     out += fmt::format("     p = {:.1e}, {}\n", f.p_value, status_words(f));
   }
   for (const Rival& r : f.rivals) {
@@ -97,7 +97,7 @@ bool errors_jump(const Diagnosis& d) {
   const Finding* above = nullptr;
   for (const Finding& f : d.findings) {
     if (!f.main || f.test_before.size() == 0) continue;
-    if (above != nullptr && percents(above->test_after) != percents(f.test_before)) return true;
+    if (above != nullptr && percent_cells(above->test_after) != percent_cells(f.test_before)) return true;
     above = &f;
   }
   return false;
@@ -155,6 +155,7 @@ std::string summary_text(const Diagnosis& d) {
   return out;
 }
 
+// @param joint  counted from 1.
 std::string worsening_text(const Diagnosis& d, int joint) {
   const Eigen::Index i = joint - 1;
   const std::string name =

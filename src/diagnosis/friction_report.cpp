@@ -36,6 +36,7 @@ std::vector<double> some_speeds(const FrictionCurve& curve) {
   return out;
 }
 
+// Half width of the confidence band [N m] or [N] at the tabulated velocity nearest to `speed`.
 double half_width_at(const FrictionCurve& curve, double speed) {
   const VectorXd off = (curve.velocity.array() - speed).abs();
   Eigen::Index k = 0;

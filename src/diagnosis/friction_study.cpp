@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kDiagnosis = 0.5;  // share of the work, for progress
 
-// Joints that travel in some recording, and joints that are held at a position.
+// Joints that travel in some recording; mean positions of the others, by the names of their coordinates.
 struct Travel {
   std::vector<int> moving;
   std::map<std::string, double> held;
@@ -50,7 +50,7 @@ Travel travel_of(const Model& arm, const std::vector<Recording>& recordings) {
   return out;
 }
 
-Recording of_joints(const Recording& r, const std::vector<int>& joints) {
+Recording with_joints_only(const Recording& r, const std::vector<int>& joints) {
   Recording out = r;
   for (const RecordingSignal& signal : kRecordingSignals) {
     const MatrixXd& all = r.*signal.values;
@@ -63,6 +63,7 @@ Recording of_joints(const Recording& r, const std::vector<int>& joints) {
   return out;
 }
 
+// Recorded torques, or recorded currents times drive gains; empty without both.
 MatrixXd torque_of(const Model& arm, const Recording& r) {
   if (r.tau.size() > 0 || r.current.size() == 0) return r.tau;
   MatrixXd tau = r.current;
@@ -88,7 +89,8 @@ Model with_open_friction(const Model& arm) {
   return Model(std::move(d));
 }
 
-std::vector<std::string> kinds_of_friction() {
+// Friction effects that stand for themselves: neither parts of others nor tables.
+std::vector<std::string> friction_effect_names() {
   std::vector<std::string> out;
   for (const AxisEffect* effect : axis_effects()) {
     const EffectTraits traits = effect->traits();
@@ -138,6 +140,7 @@ int direction_of(const VectorXd& q, const Ramp& ramp, double way) {
   return q[k] > q[ramp.rest] ? 1 : -1;
 }
 
+// Adds the breakaways of a joint in one recording.
 void add_breakaways(const Model& arm, const Recording& r, int joint,
                     std::vector<FrictionBreakaway>& out) {
   const MatrixXd tau = torque_of(arm, r);
@@ -154,7 +157,7 @@ void add_breakaways(const Model& arm, const Recording& r, int joint,
 }
 
 // Mean friction of the segments of nearly constant speed; segments of similar speed are merged.
-std::vector<FrictionAtSpeed> speeds_of(const Identification& id, const FrictionCurve& curve) {
+std::vector<FrictionAtSpeed> friction_at_held_speeds(const Identification& id, const FrictionCurve& curve) {
   struct Run {
     FrictionAtSpeed mean;
     double squares = 0.0, samples = 0.0;
@@ -281,7 +284,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   }
   const Model open = with_open_friction(with_fixed(arm, travel.held));
   for (std::vector<Recording>* list : {&all, &held_out, &both})
-    for (Recording& r : *list) r = of_joints(r, travel.moving);
+    for (Recording& r : *list) r = with_joints_only(r, travel.moving);
   all.erase(std::remove_if(all.begin(), all.end(), [&](const Recording& r) { return is_of_ramps(open, r); }),
             all.end());
   if (all.empty()) {
@@ -306,7 +309,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
   asked.identification.preprocessing.kept = nullptr;  // columns were cut already
   asked.identification.preprocessing.signals = {};
   asked.identification.preprocessing.columns.clear();
-  if (asked.effects.empty()) asked.effects = kinds_of_friction();
+  if (asked.effects.empty()) asked.effects = friction_effect_names();
   if (asked.identification.friction == JointFriction::kAuto && has_no_friction(open))
     asked.identification.friction = JointFriction::kPlain;
   const auto progress = asked.identification.progress;
@@ -337,7 +340,7 @@ FrictionStudy study_friction(const Model& arm, const Recordings& recordings, con
     one.coordinate = c.name;
     one.unit = position_unit(c);
     one.effort = effort_unit(c);
-    one.speeds = speeds_of(out.fitted, curve);
+    one.speeds = friction_at_held_speeds(out.fitted, curve);
     for (const Recording& r : both) add_breakaways(*out.fitted.model, r, k, one.breakaways);
     one.verdicts = verdicts_of(out.diagnosis, k);
     one.error_plain = out.diagnosis.baseline.test_error.relative[k];

@@ -15,17 +15,17 @@ using Row10 = Eigen::Matrix<double, kBodyParameters, 1>;
 using Slopes = Eigen::Matrix<double, kBodyParameters, 4>;
 
 // Inertial parameters of a unit mass at c.
-Row10 unit_mass(const Eigen::Vector3d& c) {
+Row10 unit_mass_parameters(const Eigen::Vector3d& c) {
   Row10 p;
   p << 1.0, c, c.y() * c.y() + c.z() * c.z(), -c.x() * c.y(), c.x() * c.x() + c.z() * c.z(), -c.x() * c.z(),
       -c.y() * c.z(), c.x() * c.x() + c.y() * c.y();
   return p;
 }
 
-// Derivatives of mass * unit_mass(c) by the mass and by c.
-Slopes slopes(double mass, const Eigen::Vector3d& c) {
+// Derivatives of mass * unit_mass_parameters(c) with respect to the mass and by c.
+Slopes derivatives_of_placed_mass(double mass, const Eigen::Vector3d& c) {
   Slopes J = Slopes::Zero();
-  J.col(0) = unit_mass(c);
+  J.col(0) = unit_mass_parameters(c);
   J.block<3, 3>(1, 1) = mass * Eigen::Matrix3d::Identity();
   // clang-format off
   J.block<6, 3>(4, 1) << 0.0, 2.0 * c.y(), 2.0 * c.z(),
@@ -45,7 +45,8 @@ struct Weighted {
   VectorXd b;
 };
 
-Weighted weighted(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
+// Sums over the joints of weights times squares of columns first .. first + 9 and `beside`, without those of `without`.
+Weighted normal_equations_of(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                   int first, const std::vector<int>& beside) {
   std::vector<int> set;
   for (int c = 0; c < kBodyParameters; ++c) set.push_back(first + c);
@@ -99,10 +100,10 @@ MatrixXd solve_scaled(const MatrixXd& A, const MatrixXd& b) {
   return s.asDiagonal() * Eigen::LDLT<MatrixXd>(scaled).solve(s.asDiagonal() * b);
 }
 
-InertialParameters PlacedMass::phi() const { return mass * unit_mass(com); }
+InertialParameters PlacedMass::phi() const { return mass * unit_mass_parameters(com); }
 
 PlacedMass MassCost::at(double mass, const Eigen::Vector3d& com) const {
-  const Row10 phi = mass * unit_mass(com);
+  const Row10 phi = mass * unit_mass_parameters(com);
   return {mass, com, phi.dot(A_ * phi) - 2.0 * b_.dot(phi) + com.squaredNorm() / (reach_ * reach_)};
 }
 
@@ -110,9 +111,9 @@ PlacedMass MassCost::at(double mass, const Eigen::Vector3d& com) const {
 PlacedMass MassCost::descend(PlacedMass best, bool mass_is_free) const {
   double damping = kFirstDamping;
   for (int step = 0; step < kSteps; ++step) {
-    const Slopes J = slopes(best.mass, best.com);
+    const Slopes J = derivatives_of_placed_mass(best.mass, best.com);
     Eigen::Matrix4d H = J.transpose() * A_ * J;
-    Eigen::Vector4d g = J.transpose() * (b_ - A_ * (best.mass * unit_mass(best.com)));
+    Eigen::Vector4d g = J.transpose() * (b_ - A_ * (best.mass * unit_mass_parameters(best.com)));
     H.diagonal().tail<3>().array() += 1.0 / (reach_ * reach_);
     g.tail<3>() -= best.com / (reach_ * reach_);
     if (!mass_is_free) {
@@ -150,7 +151,7 @@ PlacedMass MassCost::fit() const {
   }
   PlacedMass best;
   for (const Eigen::Vector3d& place : places) {
-    const Row10 p = unit_mass(place);
+    const Row10 p = unit_mass_parameters(place);
     const double mass = b_.dot(p) / std::max(p.dot(A_ * p), kTiny);
     const PlacedMass end = descend(at(std::clamp(mass, -kHeaviestLoad, kHeaviestLoad), place), true);
     if (end.cost < best.cost) best = end;
@@ -212,13 +213,13 @@ std::pair<double, double> MassCost::masses_below(double cost, const PlacedMass& 
 }
 
 Eigen::Matrix4d MassCost::covariance(const PlacedMass& at) const {
-  const Slopes J = slopes(at.mass, at.com);
+  const Slopes J = derivatives_of_placed_mass(at.mass, at.com);
   Eigen::Matrix4d H = J.transpose() * A_ * J;
   H.diagonal().tail<3>().array() += 1.0 / (reach_ * reach_);
   return solve_scaled(H, Eigen::Matrix4d::Identity());
 }
 
-std::array<bool, 3> MassCost::seen(const PlacedMass& at) const {
+std::array<bool, 3> MassCost::determined_axes(const PlacedMass& at) const {
   const Eigen::Matrix4d C = covariance(at);
   std::array<bool, 3> out{};
   for (int k = 0; k < 3; ++k) out[k] = C(k + 1, k + 1) < kSeen * kSeen * reach_ * reach_;
@@ -229,7 +230,7 @@ bool MassCost::at_bound(const PlacedMass& at) const {
   return at.com.cwiseAbs().maxCoeff() >= kAtBound * reach_ || std::abs(at.mass) >= kAtBound * kHeaviestLoad;
 }
 
-Eigen::Matrix<double, 6, 1> MassCost::extent(const PlacedMass& at) const {
+Eigen::Matrix<double, 6, 1> MassCost::inertia_beyond_point_mass(const PlacedMass& at) const {
   MatrixXd A = A_.bottomRightCorner(6, 6);
   A.diagonal() *= 1.0 + kUndeterminedRidge;  // makes undetermined directions zero
   return solve_scaled(A, VectorXd((b_ - A_ * at.phi()).tail(6)));
@@ -237,7 +238,7 @@ Eigen::Matrix<double, 6, 1> MassCost::extent(const PlacedMass& at) const {
 
 MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                    int first, const std::vector<int>& beside, double reach) {
-  const Weighted sums = weighted(rows, without, weights, first, beside);
+  const Weighted sums = normal_equations_of(rows, without, weights, first, beside);
   const Eigen::Index n = sums.b.size() - kBodyParameters;
   MatrixXd A = sums.A.topLeftCorner(kBodyParameters, kBodyParameters);
   VectorXd b = sums.b.head(kBodyParameters);
@@ -252,7 +253,7 @@ MassCost load_cost(const std::vector<RowSquares>& rows, const std::vector<RowSqu
 
 VectorXd fitted_beside_load(const std::vector<RowSquares>& rows, const std::vector<RowSquares>* without, const VectorXd& weights,
                      int first, const std::vector<int>& beside, const InertialParameters& phi) {
-  const Weighted sums = weighted(rows, without, weights, first, beside);
+  const Weighted sums = normal_equations_of(rows, without, weights, first, beside);
   const Eigen::Index n = sums.b.size() - kBodyParameters;
   return solve_scaled(sums.A.bottomRightCorner(n, n), VectorXd(sums.b.tail(n) - sums.A.bottomLeftCorner(n, kBodyParameters) * phi));
 }

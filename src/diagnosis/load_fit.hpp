@@ -43,7 +43,7 @@ struct PlacedMass {
   Eigen::Vector3d com{0, 0, 0};    ///< [m]
   double cost = 0.0;               ///< change of the weighted squares, with the prior of the centre
 
-  InertialParameters phi() const;
+  InertialParameters phi() const;  ///< about the origin of the frame
 };
 
 /// Change of the weighted squares by a load with parameters phi,
@@ -73,15 +73,15 @@ class MassCost {
   /// Covariance of mass and centre.
   Eigen::Matrix4d covariance(const PlacedMass& at) const;
   /// True for each axis along which the torques determine the centre more closely than the reach does.
-  std::array<bool, 3> seen(const PlacedMass& at) const;
-  bool at_bound(const PlacedMass& at) const;
+  std::array<bool, 3> determined_axes(const PlacedMass& at) const;
+  bool at_bound(const PlacedMass& at) const;  ///< true: a coordinate of the centre is at the reach, or the mass at kHeaviestLoad
 
   /// Inertia about the centre that a point mass does not have, by least squares.
-  Eigen::Matrix<double, 6, 1> extent(const PlacedMass& at) const;
+  Eigen::Matrix<double, 6, 1> inertia_beyond_point_mass(const PlacedMass& at) const;
 
  private:
-  PlacedMass at(double mass, const Eigen::Vector3d& com) const;
-  PlacedMass descend(PlacedMass from, bool mass_is_free) const;
+  PlacedMass at(double mass, const Eigen::Vector3d& com) const;  ///< with its cost; does not optimise
+  PlacedMass descend(PlacedMass from, bool mass_is_free) const;  ///< minimum of the cost that Levenberg and Marquardt find
 
   MatrixXd A_;
   VectorXd b_;

@@ -91,6 +91,7 @@ struct Asked {
   std::vector<std::vector<int>> friction;
 };
 
+// @param places  indices of the frames that may carry a load.
 Asked arm_with_unknown_loads(const Model& model, const std::vector<int>& places) {
   ModelDescription d = with_fixed_parameters(model).description();
   const size_t bodies = model.bodies().size(), effects = d.effects.size();
@@ -145,6 +146,7 @@ class LoadFit {
     weights_ = weights(sample, band, error);
   }
 
+  // True if the load has a torque in these rows.
   bool is_observable() const {
     double load = 0.0, all = 0.0;
     for (const RowSquares& joint : rows_.total()) {
@@ -154,6 +156,7 @@ class LoadFit {
     return load > kFelt * all;
   }
 
+  // The best load with intervals and held-out errors; without a mass if no load lowers the error.
   PayloadEstimate estimate() const {
     PayloadEstimate out;
     out.frame = model_.frames()[place_].name;
@@ -164,10 +167,10 @@ class LoadFit {
     out.mass = best.mass;
     out.com = best.com;
     out.moment = best.mass * best.com;
-    out.seen = whole.seen(best);
+    out.seen = whole.determined_axes(best);
     out.at_bound = whole.at_bound(best);
-    intervals(whole, best, out);
-    held_out(best, out);
+    set_intervals(whole, best, out);
+    set_held_out_errors(best, out);
     const InertialParameters none = InertialParameters::Zero();
     const VectorXd drift = remaining_squares(rows_.total(), nullptr, none), with = remaining_squares(rows_.total(), nullptr, best.phi());
     VectorXd before(model_.joints());
@@ -204,11 +207,11 @@ class LoadFit {
     return out;
   }
 
-  void intervals(const MassCost& whole, const PlacedMass& best, PayloadEstimate& out) const {
+  void set_intervals(const MassCost& whole, const PlacedMass& best, PayloadEstimate& out) const {
     using Numbers = Eigen::Matrix<double, 13, 1>;
     const auto numbers = [](const MassCost& f, const PlacedMass& s) {
       Numbers v;
-      v << s.mass, s.com, s.mass * s.com, f.extent(s);
+      v << s.mass, s.com, s.mass * s.com, f.inertia_beyond_point_mass(s);
       return v;
     };
     const Numbers centre = numbers(whole, best);
@@ -250,7 +253,7 @@ class LoadFit {
   }
 
   // Decrease of the error on rows to which neither the load nor the changes of friction were fitted.
-  void held_out(const PlacedMass& best, PayloadEstimate& out) const {
+  void set_held_out_errors(const PlacedMass& best, PayloadEstimate& out) const {
     const InertialParameters none = InertialParameters::Zero();
     VectorXd with = VectorXd::Zero(model_.joints()), before = with;
     for (int k = 0; k < rows_.clusters(); ++k) {
@@ -453,7 +456,7 @@ PayloadReport payload_report(const Question& q, const std::string& robot, const 
   return out;
 }
 
-// Says what poses at rest cannot tell of a load.
+// Adds a remark on what poses at rest cannot determine about a load.
 void remark_on_poses(const Model& model, double poses, const VectorXd& band, bool approached, PayloadReport& out) {
   if (poses < kPosesPerUnknown * kUnknowns) {
     for (PayloadEstimate& one : out.links) one.gain = kNaN;
@@ -517,6 +520,7 @@ PayloadReport find_payload(const Model& given_model, const Recordings& loaded,
 
 namespace {
 
+// True if the search ended at a bound of the centre or of the mass.
 bool at_end(const PayloadEstimate& load) { return load.at_bound || std::abs(load.mass) >= kAtEnd * kHeaviestLoad; }
 
 // Interval of the mass in words; empty if the search ended at its bound.

@@ -111,7 +111,7 @@ Estimate Estimates::of(const VectorRef& w) const {
   return {c.dot(values), scatter.transpose() * c};
 }
 
-bool Estimates::determine(const VectorRef& w, const VectorRef& sizes) const {
+bool Estimates::determines(const VectorRef& w, const VectorRef& sizes) const {
   const VectorXd c = w(leading);
   return (sizes.cwiseProduct(K.transpose() * c - w)).norm() <= comparing::kInSpan * sizes.cwiseProduct(w).norm();
 }

@@ -24,9 +24,9 @@ struct Estimates {
   /// @throws InvalidInput  a body or an effect has no values.
   Estimates(const Model& arm, const VectorRef& own);
 
-  Estimate of(const VectorRef& w) const;
+  Estimate of(const VectorRef& w) const;  ///< value and scatter of w' phi, for w (standard) in the span of the rows
   /// True if w is a combination of the rows, where entries count by the sizes (standard) of their columns.
-  bool determine(const VectorRef& w, const VectorRef& sizes) const;
+  bool determines(const VectorRef& w, const VectorRef& sizes) const;
 
   int identified = 0;        ///< The first rows; the others, of a parameter each, are known by the robot file.
   std::vector<int> leading;  ///< (rows) indices of standard parameters
@@ -39,9 +39,9 @@ struct Estimates {
   std::vector<std::string> expressions;  ///< (identified)
 
  private:
-  bool read(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters);
-  void make_canonical();
-  void add_facts(const std::vector<StandardParameter>& parameters);
+  bool read(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters);  ///< false: the statistics contradict the values, see note
+  void make_canonical();  ///< solves for the K that is the identity in the columns `leading`
+  void add_facts(const std::vector<StandardParameter>& parameters);  ///< appends a row for every known parameter
 };
 
 /// True if both were identified from the same motion, so that their clusters are pairs.

@@ -42,7 +42,7 @@ struct Side {
   StandardTorque torque;
 };
 
-ComparedModel facts_of(const Side& side) {
+ComparedModel compared_model_of(const Side& side) {
   ComparedModel out;
   out.name = side.arm.name();
   out.clusters = side.known.clusters;
@@ -110,6 +110,7 @@ ModelDifference difference_of(const Side& a, const Estimate& before, const Side&
   return d;
 }
 
+// The difference of every joint's torque over the standard motion, with its parts from bodies and effects.
 std::vector<TorqueDifference> torque_differences(const Side& a, const Side& b) {
   std::vector<TorqueDifference> out;
   for (int i = 0; i < a.arm.joints(); ++i) {
@@ -144,7 +145,7 @@ void compare_parameters(const Side& a, const Side& b, ModelComparison& out) {
   };
   const VectorXd sizes_a = sizes(a), sizes_b = sizes(b);
   const auto determined = [](const Side& side, const VectorXd& w, const Side& other, const VectorXd& other_sizes) {
-    return side.to_other.foreign.cwiseProduct(w).isZero(0.0) && other.known.determine(side.to_other.M * w, other_sizes);
+    return side.to_other.foreign.cwiseProduct(w).isZero(0.0) && other.known.determines(side.to_other.M * w, other_sizes);
   };
   for (int r = 0; r < a.known.identified; ++r) {
     const VectorXd w = a.known.K.row(r).transpose();
@@ -187,6 +188,7 @@ std::string proportional_parameter(const Estimates& known, const VectorXd& u, co
   return std::any_of(compared.begin(), compared.end(), [&](const ModelDifference& d) { return d.expression == found; }) ? found : "";
 }
 
+// Adds to out.joints each quantity of each joint that both models have.
 void compare_joints(const Side& a, const Side& b, ModelComparison& out) {
   for (int i = 0; i < a.arm.joints(); ++i) {
     for (const JointQuantity& which : kJointQuantities) {
@@ -252,8 +254,8 @@ ModelComparison compare(const Model& before, const Model& after, const Compariso
   const Side a(before, after), b(after, before);
   out.robot = before.name();
   out.significance = options.significance;
-  out.before = facts_of(a);
-  out.after = facts_of(b);
+  out.before = compared_model_of(a);
+  out.after = compared_model_of(b);
   out.same_motion = same_motion(a.known, b.known);
   out.torque = torque_differences(a, b);
   compare_parameters(a, b, out);

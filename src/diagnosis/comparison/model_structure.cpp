@@ -35,7 +35,7 @@ bool same(const Property& a, const Property& b) {
   return std::equal(a.numbers.begin(), a.numbers.end(), b.numbers.begin(), b.numbers.end(), [](double x, double y) { return same(x, y); });
 }
 
-bool has_frame(const Model& arm, const Frame& frame) {
+bool has_frame_of_same_name(const Model& arm, const Frame& frame) {
   return arm.find_frame(frame.name) >= 0;
 }
 
@@ -43,7 +43,7 @@ std::string parent_of(const Model& arm, const Frame& frame) {
   return frame.parent ? arm.frames()[frame.parent->value].name : "the world";
 }
 
-std::vector<double> place_of(const Frame& frame) {
+std::vector<double> placement_numbers(const Frame& frame) {
   std::vector<double> out(frame.variable.coefficients.begin(), frame.variable.coefficients.end());
   out.push_back(frame.variable.offset);
   for (const Posed& pose : {frame.A, frame.B}) {
@@ -53,7 +53,7 @@ std::vector<double> place_of(const Frame& frame) {
   return out;
 }
 
-std::vector<double> shape_of(const Model& arm, const EffectTerm& term) {
+std::vector<double> shape_constants_of(const Model& arm, const EffectTerm& term) {
   const EffectFacts bound(arm, term);
   const auto count = static_cast<long>(bound.effect().shapes().size());
   return {bound.shape().begin(), bound.shape().begin() + count};
@@ -68,7 +68,7 @@ std::vector<std::string> names_of_terms(const Model& arm) {
     std::string place = term.effect + "(" + axis_text(arm, term.axis);
     if (term.from) place += " from " + axis_text(arm, *term.from);
     if (!term.frame.empty()) place += " on " + term.frame;
-    at_place[place + ")"].emplace_back(shape_of(arm, term), e);
+    at_place[place + ")"].emplace_back(shape_constants_of(arm, term), e);
   }
   std::vector<std::string> out(arm.effects().size());
   for (auto& [place, terms] : at_place) {
@@ -78,13 +78,15 @@ std::vector<std::string> names_of_terms(const Model& arm) {
   return out;
 }
 
+// Adds statements about the frames of `arm`: kind and placement of those that `other` has too, existence of moving ones
+// and of bodies on fixed ones that it does not have.
 void add_frames(const Model& arm, const Model& other, std::vector<Property>& out) {
   constexpr const char* kTypes[] = {"fixed", "turning", "sliding"};
   for (const Frame& frame : arm.frames()) {
-    if (has_frame(other, frame)) {
+    if (has_frame_of_same_name(other, frame)) {
       out.push_back({"robot", "frame '" + frame.name + "'",
                      fmt::format("{} on {} with{} body", kTypes[static_cast<int>(frame.type)], parent_of(arm, frame), frame.body ? " a" : "out a")});
-      out.push_back({"geometry", frame.name, "", place_of(frame)});
+      out.push_back({"geometry", frame.name, "", placement_numbers(frame)});
     } else if (frame.type != JointType::kFixed) {
       out.push_back({"robot", "the moving frame '" + frame.name + "'", ""});
     } else if (frame.body) {
@@ -95,7 +97,7 @@ void add_frames(const Model& arm, const Model& other, std::vector<Property>& out
   }
 }
 
-std::vector<Property> properties(const Model& arm, const Model& other) {
+std::vector<Property> properties_of(const Model& arm, const Model& other) {
   std::vector<Property> out;
   const auto number = [&out](const char* kind, const std::string& subject, double value, int digits) {
     out.push_back({kind, subject, fmt::format("{:.{}g}", value, digits), {value}});
@@ -111,26 +113,27 @@ std::vector<Property> properties(const Model& arm, const Model& other) {
   for (std::size_t e = 0; e < names.size(); ++e) {
     const EffectTerm& term = arm.effects()[e];
     out.push_back({"effect", names[e], ""});
-    const std::vector<double> shape = shape_of(arm, term);
+    const std::vector<double> shape = shape_constants_of(arm, term);
     for (std::size_t s = 0; s < shape.size(); ++s) number("shape", names[e] + ": " + find_effect(term.effect).shapes()[s].name, shape[s], 4);
   }
   return out;
 }
 
-const Property* find(const std::vector<Property>& all, const Property& wanted) {
+const Property* find_property(const std::vector<Property>& all, const Property& wanted) {
   const auto at = std::find_if(all.begin(), all.end(), [&](const Property& p) { return p.kind == wanted.kind && p.subject == wanted.subject; });
   return at == all.end() ? nullptr : &*at;
 }
 
+// True if the frames that both models have, by name, are placed alike.
 bool same_geometry(const Model& a, const Model& b) {
   return std::all_of(a.frames().begin(), a.frames().end(), [&](const Frame& frame) {
     const int there = b.find_frame(frame.name);
-    return there < 0 || same({"", "", "", place_of(frame)}, {"", "", "", place_of(b.frames()[there])});
+    return there < 0 || same({"", "", "", placement_numbers(frame)}, {"", "", "", placement_numbers(b.frames()[there])});
   });
 }
 
 // True if corresponding shape constants differ by less than half, so that the parameters have the same meaning.
-bool comparable(const std::vector<double>& a, const std::vector<double>& b) {
+bool have_similar_constants(const std::vector<double>& a, const std::vector<double>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](double x, double y) { return std::abs(x - y) <= 0.5 * std::max(std::abs(x), std::abs(y)); });
 }
@@ -151,7 +154,7 @@ const Frame& frame_of_body(const Model& arm, int body) {
 void add_carried_body(const Model& from, const Model& to, int body, MatrixXd& M) {
   Eigen::Matrix4d T = Eigen::Matrix4d::Identity();  // pose of the body in the frame that carries it
   const Frame* frame = &frame_of_body(to, body);
-  while (!frame->body || !has_frame(from, *frame)) {
+  while (!frame->body || !has_frame_of_same_name(from, *frame)) {
     if (frame->type != JointType::kFixed || !frame->parent) return;  // it acts on no joint
     T = eigen(frame->A * frame->B).matrix() * T;
     frame = &to.frames()[frame->parent->value];
@@ -166,11 +169,11 @@ void add_carried_body(const Model& from, const Model& to, int body, MatrixXd& M)
 }  // namespace
 
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after) {
-  const std::vector<Property> a = properties(before, after), b = properties(after, before);
+  const std::vector<Property> a = properties_of(before, after), b = properties_of(after, before);
   std::vector<StructureDifference> out;
   std::string moved, constants;
   for (const Property& p : a) {
-    const Property* const there = find(b, p);
+    const Property* const there = find_property(b, p);
     if (there == nullptr && p.text.empty()) out.push_back({p.kind, "only the model before has " + p.subject + "."});
     if (there == nullptr || same(p, *there)) continue;
     const std::string values = fmt::format("{} is {} before and {} after", p.subject, p.text, there->text);
@@ -182,7 +185,7 @@ std::vector<StructureDifference> structure_differences(const Model& before, cons
       out.push_back({p.kind, values + (p.kind == "drive_gain" ? "; where currents were recorded, all its torques scale with it." : ".")});
   }
   for (const Property& p : b) {
-    if (p.text.empty() && find(a, p) == nullptr) out.push_back({p.kind, "only the model after has " + p.subject + "."});
+    if (p.text.empty() && find_property(a, p) == nullptr) out.push_back({p.kind, "only the model after has " + p.subject + "."});
   }
   for (const StructureDifference& d : out) {
     require(d.kind != "robot", "compare: found robot '", before.name(), "' and robot '", after.name(), "': ", d.sentence.substr(0, d.sentence.size() - 1),
@@ -206,16 +209,16 @@ Correspondence::Correspondence(const Model& from, const Model& to) {
   for (std::size_t j = 0; j < mine.size(); ++j) {
     const auto at = static_cast<Eigen::Index>(j);
     const auto found = index.find(names[j]);
-    if (mine[j].body && !has_frame(to, frame_of_body(from, *mine[j].body)))
+    if (mine[j].body && !has_frame_of_same_name(to, frame_of_body(from, *mine[j].body)))
       own[at] = 1.0;
     else if (found == index.end() || (mine[j].body && !one_geometry) ||
-             (mine[j].effect && !comparable(shape_of(from, from.effects()[*mine[j].effect]), shape_of(to, to.effects()[*theirs[found->second].effect]))))
+             (mine[j].effect && !have_similar_constants(shape_constants_of(from, from.effects()[*mine[j].effect]), shape_constants_of(to, to.effects()[*theirs[found->second].effect]))))
       foreign[at] = 1.0;
     else
       M(static_cast<Eigen::Index>(found->second), at) = 1.0;
   }
   for (int k = 0; k < static_cast<int>(to.bodies().size()); ++k) {
-    if (!has_frame(from, frame_of_body(to, k))) add_carried_body(from, to, k, M);
+    if (!has_frame_of_same_name(from, frame_of_body(to, k))) add_carried_body(from, to, k, M);
   }
 }
 

@@ -9,6 +9,7 @@
 namespace veridyn {
 namespace {
 
+// The motion as one segment, all of whose samples count.
 Segment segment_of(const MotionSamples& motion) {
   Segment s;
   s.dt = motion.time[1] - motion.time[0];

@@ -27,7 +27,6 @@ bool is_no_factor(const Diagnosis& d, const Finding& gain) {
 // training confirms and held-out recordings do not contradict, and findings that do not concern the model's
 // torque. Against an identified model they also include each change that explains more than 1 - share of its
 // joint's error, and a load that held-out recordings contradict, because not all of them need to carry it.
-// held-out recordings contradict: it need not be the same in all of them.
 std::vector<char> main_findings(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
   std::vector<size_t> order(d.findings.size());

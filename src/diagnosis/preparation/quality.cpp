@@ -25,6 +25,7 @@ void exclude_wrong_velocities(DiagnosisState& x) {
   derive_velocities(trust_in_velocities(x.d.data_quality).wrong, x.options.identification);
 }
 
+// @param joint  counted from 0.
 void remark_derived_velocity(int joint, DiagnosisState& x) {
   for (const RecordingQuality& recording : x.d.data_quality) {
     for (const QualityFinding& f : recording.findings) {
@@ -37,7 +38,7 @@ void remark_derived_velocity(int joint, DiagnosisState& x) {
   }
 }
 
-std::vector<RecordingQuality> of_training(const DiagnosisState& x) {
+std::vector<RecordingQuality> quality_of_training(const DiagnosisState& x) {
   std::vector<RecordingQuality> out;
   for (const RecordingQuality& recording : x.d.data_quality) {
     if (std::find(x.train.begin(), x.train.end(), recording.file) != x.train.end())
@@ -53,7 +54,7 @@ void choose_quieter_velocities(DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   if (how.velocity == VelocitySource::kDerived) return;
   const std::set<int> known(how.derive_velocity_of.begin(), how.derive_velocity_of.end());
-  std::set<int> noisy = trust_in_velocities(of_training(x)).doubtful;
+  std::set<int> noisy = trust_in_velocities(quality_of_training(x)).doubtful;
   for (const int j : known) noisy.erase(j);
   const Thresholds& limits = x.options.thresholds;
   const double least = x.d.changes ? limits.smallest_change : limits.smallest_gain;

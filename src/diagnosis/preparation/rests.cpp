@@ -20,21 +20,23 @@ std::vector<double> largest_speeds(const std::vector<RecordingError>& recordings
   return out;
 }
 
-bool moves_at(const PredictionSeries& x, size_t k, const std::vector<double>& speeds, double share) {
+// True if a joint is faster at sample k than `share` of its largest speed.
+bool is_moving_at(const PredictionSeries& x, size_t k, const std::vector<double>& speeds, double share) {
   for (size_t i = 0; i < speeds.size(); ++i) {
     if (std::abs(x.dq[i][k]) > share * speeds[i]) return true;
   }
   return false;
 }
 
-void rests_of(const RecordingError& r, const std::vector<double>& speeds, const Thresholds& limits,
+// Adds the rests at the beginning and at the end of a recording.
+void add_rests_at_ends(const RecordingError& r, const std::vector<double>& speeds, const Thresholds& limits,
               std::vector<ExcludedInterval>& out) {
   const PredictionSeries& x = r.series;
   size_t first = 0;
-  while (first < x.time.size() && !moves_at(x, first, speeds, limits.moving_share)) ++first;
+  while (first < x.time.size() && !is_moving_at(x, first, speeds, limits.moving_share)) ++first;
   if (first == x.time.size()) return;  // the arm never moves: a recording of poses
   size_t last = x.time.size() - 1;
-  while (!moves_at(x, last, speeds, limits.moving_share)) --last;
+  while (!is_moving_at(x, last, speeds, limits.moving_share)) --last;
   if (x.time[first] - x.time.front() > limits.shortest_rest)
     out.push_back({r.source, {}, 0.0, x.time[first], "the arm rests at the start"});
   if (x.time.back() - x.time[last] > limits.shortest_rest)
@@ -42,6 +44,7 @@ void rests_of(const RecordingError& r, const std::vector<double>& speeds, const 
                    "the arm rests at the end"});
 }
 
+// Groups of joints (from 0) whose positions are nearly linear functions of each other.
 std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thresholds& limits) {
   const int n = id.model->joints();
   Eigen::Index rows = 0;
@@ -65,7 +68,7 @@ void exclude_rests(DiagnosisState& x) {
   x.d.moving_as_one = moving_as_one(seen, x.options.thresholds);
   const std::vector<double> speeds = largest_speeds(seen.train, static_cast<size_t>(seen.model->joints()));
   std::vector<ExcludedInterval> rests;
-  for (const RecordingError& r : seen.train) rests_of(r, speeds, x.options.thresholds, rests);
+  for (const RecordingError& r : seen.train) add_rests_at_ends(r, speeds, x.options.thresholds, rests);
   if (rests.empty()) return;
   const IdentificationOptions before = x.options.identification;
   const size_t parts = x.d.excluded_intervals.size();

@@ -19,7 +19,8 @@ struct Power {
   double variance = 0.0;
 };
 
-void report(DiagnosisState& x, int joint, double deviations) {
+// @param deviations  power of the joint's friction in its standard deviations.
+void report_negative_friction(DiagnosisState& x, int joint, double deviations) {
   const Coordinate& c = x.arm.coordinates()[joint];
   QualityFinding f;
   f.file = x.train.front();
@@ -86,7 +87,7 @@ void check_torque_signs(DiagnosisState& x) {
       });
     });
     const bool matters = -joints[i].sum > checking::kFrictionShare * std::sqrt(totals[i].rhs_norm2());
-    if (!answered && matters && below > x.options.thresholds.negative_friction) report(x, static_cast<int>(i), below);
+    if (!answered && matters && below > x.options.thresholds.negative_friction) report_negative_friction(x, static_cast<int>(i), below);
   }
 }
 

@@ -23,6 +23,7 @@ MatrixXd base_columns(const Rows& rows, int joint, const MatrixXd& T) {
 
 namespace {
 
+// Adds to base.nonnegative and base.value the values of effects that have the lower bound zero.
 void add_bounds(const Rows& rows, Base& base) {
   const std::vector<StandardParameter> all = standard_parameters(rows.arm());
   for (size_t p = 0; p < all.size(); ++p) {

@@ -24,6 +24,7 @@ bool follows_motion(const Term& t) {
   return (t.kind == TermKind::kEffect || t.kind == TermKind::kChange) && !find_effect(t.effect.effect).traits().uses_load;
 }
 
+// True if the columns of both are equal: same recorded motion, same torque gains.
 bool is_same_motion(const Rows& a, const Rows& b) {
   for (int i = 0; i < a.joints(); ++i) {
     if (a.arm().coordinates()[i].recorded.torque_gain != b.arm().coordinates()[i].recorded.torque_gain) return false;
@@ -33,7 +34,8 @@ bool is_same_motion(const Rows& a, const Rows& b) {
   });
 }
 
-double errors_of(int blocks) {
+// Standard errors that a gain must reach where no held-out recording repeats its test.
+double required_standard_errors(int blocks) {
   return blocks < kManyBlocks ? student_t_quantile(2.0 * (1.0 - kProbabilityWithoutTest), std::max(1.0, blocks - 1.0)) : kStandardErrorsWithoutTest;
 }
 
@@ -53,7 +55,7 @@ bool is_factor(const Term& t) {
 CurrentSet::CurrentSet(const Model& arm, const SearchRequest& request) : arm_(arm), request_(request) {
   rows_ = std::make_shared<Rows>(arm, request.recordings, request.preprocessing, request.threads);
   folds_ = folds_of(*rows_, request.periods, request.preprocessing.cutoff, request.scope.poses ? 1.0 : kBlockSeconds);
-  folds_.errors = is_repeated() ? kStandardErrorsWithTest : errors_of(folds_.blocks);
+  folds_.errors = is_repeated() ? kStandardErrorsWithTest : required_standard_errors(folds_.blocks);
   values_ = VectorXd(rows_->names().size());
   const std::vector<StandardParameter> all = standard_parameters(arm);
   for (Eigen::Index p = 0; p < values_.size(); ++p) values_[p] = all[p].value;
@@ -238,7 +240,7 @@ bool CurrentSet::take_step(size_t k, const std::vector<double>& step) {
     offset = is_factor(c.term) ? (1.0 + offset) * (1.0 + step[p]) - 1.0 : offset + step[p];
     if (parameters[p].sign == ParameterSign::kNonnegative && c.term.kind == TermKind::kChannel) offset = std::max(offset, 0.0);
     if (is_factor(c.term) && offset < kSignReversingGain) return false;
-    if (c.term.kind == TermKind::kConstant && std::abs(offset) > reach_of(*c.term.constant)) return false;
+    if (c.term.kind == TermKind::kConstant && std::abs(offset) > largest_change_of(*c.term.constant)) return false;
   }
   return true;
 }

@@ -41,11 +41,11 @@ class CurrentSet {
   Round round();
   /// First column of the k-th term in a fit, and its number of columns.
   std::pair<Eigen::Index, Eigen::Index> range(size_t k) const;
-  std::vector<int> all_but(const std::set<size_t>& without) const;
-  double price_of(const std::vector<int>& some) const;
-  VectorXd ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const;
-  bool is_chosen(const Term& t, const std::set<size_t>& without = {}) const;
-  bool shares_joint(const Term& t, const std::set<size_t>& with) const;
+  std::vector<int> all_but(const std::set<size_t>& without) const;  ///< indices of all other terms
+  double price_of(const std::vector<int>& some) const;  ///< [nats] sum of the prices of these terms
+  VectorXd ridge_of(const Term& t, Eigen::Index count, const VectorXd& scale) const;  ///< (count) prior precision of a term's coefficients, by the scale (n) of the residuals
+  bool is_chosen(const Term& t, const std::set<size_t>& without = {}) const;  ///< true if the cause has a term here, which no second one may join
+  bool shares_joint(const Term& t, const std::set<size_t>& with) const;  ///< true if t acts on a joint of one of these terms, or on several joints
   /// Columns of an entry of the dictionary. Several threads may evaluate different entries.
   const std::shared_ptr<const Columns>& columns_at(size_t k);
 
@@ -59,7 +59,7 @@ class CurrentSet {
     std::shared_ptr<const Rows> test, test_of;
     std::map<std::string, std::shared_ptr<const Columns>> test_columns;
   };
-  State snapshot() const;
+  State snapshot() const;  ///< all that restore() needs to undo later changes
   void restore(const State& s);
 
   /// The arm with values and the corrections of these terms.
@@ -89,8 +89,8 @@ class CurrentSet {
   VectorXd values_of(const Fitted& fit) const { return values_ + base_.T * fit.x.head(base_.T.cols()); }
 
  private:
-  Base base_of(const Rows& rows) const;
-  bool take_step(size_t k, const std::vector<double>& step);
+  Base base_of(const Rows& rows) const;  ///< the arm's own columns at these rows
+  bool take_step(size_t k, const std::vector<double>& step);  ///< adds to the k-th term's offset; false if the sum is impossible
   std::set<size_t> curves_beside(size_t k) const;
 
   const Model& arm_;

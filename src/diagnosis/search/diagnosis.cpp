@@ -91,7 +91,7 @@ class Halving {
 
   explicit Halving(Listener listener) : listener_(std::move(listener)) {}
 
-  void begin(const char* step) {
+  void begin_step(const char* step) {
     begun_ += width_;
     width_ = 0.5 * (1.0 - begun_);
     rounds_left_ = 1.0;
@@ -99,7 +99,7 @@ class Halving {
     report_step(step_, begun_);
   }
 
-  void test(int tested, int of) {
+  void report_test(int tested, int of) {
     const double round = 0.5 * rounds_left_;
     const double done = 1.0 - rounds_left_ + round * tested / of;
     report_step(step_ + ": testing hypothesis " + std::to_string(tested) + " of " + std::to_string(of),
@@ -107,7 +107,7 @@ class Halving {
     if (tested == of) rounds_left_ -= round;
   }
 
-  void end() const { report_step("done", 1.0); }
+  void report_end() const { report_step("done", 1.0); }
 
  private:
   void report_step(const std::string& what, double share) const {
@@ -141,9 +141,9 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   }
   x.d.provisional = named.train.size() == 1;
   Halving progress(std::exchange(x.options.identification.progress, {}));
-  x.options.testing = [&progress](int tested, int of) { progress.test(tested, of); };
-  run(x, [&progress](const char* step) { progress.begin(step); });
-  progress.end();
+  x.options.testing = [&progress](int tested, int of) { progress.report_test(tested, of); };
+  run(x, [&progress](const char* step) { progress.begin_step(step); });
+  progress.report_end();
   const Identification& found = x.d.extended.model ? x.d.extended : x.d.baseline;
   if (found.model) x.d.model = *found.model;
   for (Finding& finding : x.d.findings) finding.text = x.d.sentence(finding);

@@ -43,7 +43,7 @@ Exchange Exchanges::exchange_with(const Round& round, const Subset& s, const Ter
 }
 
 // Improves the shape constants of a term by golden sections, each between its neighbours in the grid.
-void Exchanges::polish(const Round& round, const Subset& s, Exchange& best) const {
+void Exchanges::polish_shapes(const Round& round, const Subset& s, Exchange& best) const {
   if (best.term.kind == TermKind::kLoad) return polish_load(round, s, best);
   for (int turn = 0; turn < (best.term.shapes.size() > 1 ? 2 : 1); ++turn) {
     for (size_t d = 0; d < best.term.shapes.size(); ++d) {
@@ -135,13 +135,13 @@ std::vector<Exchange> Exchanges::best_terms(const Round& round, const Subset& s,
   std::sort(out.begin(), out.end(), better);
   out.resize(std::min<size_t>(out.size(), kFinalists));
   parallel_for(static_cast<int>(out.size()), request_.threads, [&](int k) {
-    if (std::isfinite(out[k].value)) polish(round, s, out[k]);
+    if (std::isfinite(out[k].value)) polish_shapes(round, s, out[k]);
   });
   std::sort(out.begin(), out.end(), better);
   return out;
 }
 
-std::vector<TermProducts> Exchanges::dictionary(const Round& round, const TermFilter& is_selected) {
+std::vector<TermProducts> Exchanges::products_of_dictionary(const Round& round, const TermFilter& is_selected) {
   std::vector<size_t> some;
   for (size_t k = 0; k < current_.dictionary().size(); ++k) {
     if (is_selected(current_.dictionary()[k])) some.push_back(k);
@@ -153,7 +153,7 @@ std::vector<TermProducts> Exchanges::dictionary(const Round& round, const TermFi
   return out;
 }
 
-std::vector<TermProducts> Exchanges::ripples(const Round& round, const MatrixXd& residual) const {
+std::vector<TermProducts> Exchanges::products_of_ripples(const Round& round, const MatrixXd& residual) const {
   std::vector<Term> some = search::ripples(current_.rows(), residual, current_.dictionary(), request_.threads);
   some.erase(std::remove_if(some.begin(), some.end(), [&](const Term& t) { return !request_.scope.is_wanted(current_.rows().arm(), t.cause) || request_.scope.silent.count(t.joint->value) != 0; }), some.end());
   return products_of(round, some);

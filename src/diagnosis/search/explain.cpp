@@ -43,6 +43,7 @@ std::set<int> joints_without_friction(const Model& arm) {
   return out;
 }
 
+// Runs the search for a diagnosis and writes its results into the state.
 class Explanation {
  public:
   explicit Explanation(DiagnosisState& x) : x_(x), d_(x.d), n_(x.arm.joints()) {}
@@ -72,8 +73,8 @@ class Explanation {
     weigh_rows();
     add_findings();
     fit();
-    add_moments();
-    add_the_rest();
+    add_contacts();
+    add_rejected_causes();
     keep_tables();
     for (int j = 0; j < n_; ++j) d_.joints.push_back(verdict_of(j));
     d_.next_experiment = next_experiment(d_);
@@ -136,7 +137,8 @@ class Explanation {
     return out;
   }
 
-  std::vector<Chosen> named(const std::set<size_t>& without = {}) const {
+  // Chosen terms of all findings but these, curves excluded.
+  std::vector<Chosen> named_terms(const std::set<size_t>& without = {}) const {
     std::vector<Chosen> out;
     for (size_t f = 0; f < of_finding_.size(); ++f) {
       for (const size_t k : of_finding_[f]) {
@@ -157,7 +159,7 @@ class Explanation {
   void fit() {
     std::set<size_t> gone;
     for (size_t turn = 0; turn <= of_finding_.size(); ++turn) {
-      const std::vector<Chosen> some = named(gone);
+      const std::vector<Chosen> some = named_terms(gone);
       d_.extended = some.empty() && x_.start.model ? x_.start : x_.fit(extended_arm(before(), some, d_.changes));
       if (!d_.extended.model || d_.changes || some.empty()) break;
       // If the named terms increase the error under physical conditions, the weakest one is dropped.
@@ -186,7 +188,7 @@ class Explanation {
       d_.remarks.push_back("The arm with what was found could not be identified: " + d_.extended.reason);
       d_.extended = x_.start;
     }
-    for (auto f = gone.rbegin(); f != gone.rend(); ++f) erase(*f);
+    for (auto f = gone.rbegin(); f != gone.rend(); ++f) drop_finding(*f);
     size_t last = 0;
     bool any = false;
     for (size_t f = 0; f < of_finding_.size(); ++f) {
@@ -216,13 +218,14 @@ class Explanation {
     for (Finding& f : d_.findings) f.explains = explained_share(f.test_before, f.test_after, d_.baseline.test_error.relative, floor);
   }
 
-  void erase(size_t f) {
+  void drop_finding(size_t f) {
     d_.not_supported.push_back({d_.findings[f].cause, d_.findings[f].p_value, "with it a physically possible arm is predicted no better"});
     d_.findings.erase(d_.findings.begin() + static_cast<long>(f));
     of_finding_.erase(of_finding_.begin() + static_cast<long>(f));
     count_.erase(count_.begin() + static_cast<long>(f));
   }
 
+  // True if the recorded torque of the contact's last joint was at its limit at that time.
   bool is_at_limit(const Contact& c) const {
     return std::any_of(d_.data_quality.begin(), d_.data_quality.end(), [&c](const RecordingQuality& q) {
       return q.file == c.source && std::any_of(q.saturated.begin(), q.saturated.end(), [&c](const SaturatedInterval& at) {
@@ -238,8 +241,8 @@ class Explanation {
     return out;
   }
 
-  void add_moments() {
-    const bool has_room = static_cast<int>(named().size()) < x_.options.max_effects;
+  void add_contacts() {
+    const bool has_room = static_cast<int>(named_terms().size()) < x_.options.max_effects;
     if (x_.poses || !x_.tests_effect(ExternalContact::kName) || !has_room || found_.fitted.rows() == 0) return;
     std::vector<Contact> contacts;
     add_moments_in(*found_.rows, found_.fitted, found_.scale, x_.train, periods(d_.baseline.train), contacts);
@@ -258,13 +261,13 @@ class Explanation {
     const Identification without = x_.fit(x_.arm);
     weights = kept;
     if (without.model) d_.baseline = without;
-    const Identification extended = x_.fit(extended_arm(before(), named(), d_.changes));
+    const Identification extended = x_.fit(extended_arm(before(), named_terms(), d_.changes));
     if (extended.model) d_.extended = extended;
     std::vector<Finding> found = findings_of(contacts, d_.baseline);
     d_.findings.insert(d_.findings.begin(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
   }
 
-  void add_the_rest() {
+  void add_rejected_causes() {
     std::set<std::string> unseen;
     for (const Rejected& r : found_.rejected) {
       const bool is_found = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&r](const Chosen& c) { return same_place(c.term, r.term); });
@@ -319,7 +322,8 @@ class Explanation {
     return out;
   }
 
-  double held_out(const Identification& id, int j) const {
+  // Relative held-out error of joint j; NaN if it was not measured. Rows at a torque limit do not count.
+  double held_out_error(const Identification& id, int j) const {
     const bool left_out = x_.saturated.count(j) > 0 && id.test_without_excluded.relative.size() > j;
     const VectorXd& relative = (left_out ? id.test_without_excluded : id.test_error).relative;
     return relative.size() > j ? relative[j] : std::numeric_limits<double>::quiet_NaN();
@@ -329,9 +333,9 @@ class Explanation {
     if (x_.silent.count(j) != 0) return no_torque_verdict({j});
     JointVerdict v;
     v.joint = JointIndex{j};
-    v.held_out = held_out(d_.baseline, j);
+    v.held_out = held_out_error(d_.baseline, j);
     if (!std::isfinite(v.held_out)) return not_judged({j}, v.held_out, d_.baseline);
-    v.extended = held_out(d_.extended, j);
+    v.extended = held_out_error(d_.extended, j);
     v.left = v.extended;
     bool named = false, unnamed = false;
     for (const std::vector<size_t>& finding : of_finding_) {
@@ -375,22 +379,22 @@ class Explanation {
       v.state = JointState::kCannotTell;
       const std::vector<std::string>& still = d_.baseline.still_in_test;
       if (std::find(still.begin(), still.end(), x_.arm.coordinates()[j].name) != still.end()) v.why = "it hardly moves in the held-out recordings, whose error says nothing about its motion";
-      else if (vibration) v.why = words_of(*vibration, j);
+      else if (vibration) v.why = vibration_words(*vibration, j);
       else if (differs || is_unlike)
         v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
                             numerics::kPercent * trained[j], numerics::kPercent * v.extended);
-      else v.why = words_of_steps(j) + why_not(untested_share, repeats);
+      else v.why = torque_step_words(j) + reason_without_name(untested_share, repeats);
     }
     return v;
   }
 
-  std::string words_of(const Vibration& vibration, int j) const {
+  std::string vibration_words(const Vibration& vibration, int j) const {
     return fmt::format("{:.0f} % of what is left over is a vibration of {:.3g} Hz and {:.3g} {} that the motion does not have: something shakes the arm, or a part of it swings",
                        numerics::kPercent * vibration.share, vibration.frequency, vibration.amplitude, effort_unit(x_.arm.coordinates()[j]));
   }
 
   // Sentence about the coarse steps of a recorded torque, which no model predicts.
-  std::string words_of_steps(int j) const {
+  std::string torque_step_words(int j) const {
     for (const RecordingQuality& q : d_.data_quality) {
       const QualityFinding* steps = q.find("torque_quantised", j + 1);
       if (steps == nullptr) continue;
@@ -399,7 +403,7 @@ class Explanation {
     return "";
   }
 
-  static std::string why_not(double untested_share, bool repeats) {
+  static std::string reason_without_name(double untested_share, bool repeats) {
     if (untested_share >= 0.0)
       return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over", numerics::kPercent * untested_share);
     return repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"

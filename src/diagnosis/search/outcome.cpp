@@ -19,7 +19,7 @@ class Outcome {
  public:
   Outcome(CurrentSet& at, Exchanges& exchanges, const SearchRequest& request) : current_(at), exchanges_(exchanges), request_(request) {}
 
-  SearchResult write() {
+  SearchResult compute() {
     SearchResult out;
     out.folds = current_.folds();
     out.tested_terms = compared_causes();
@@ -32,7 +32,7 @@ class Outcome {
     const Subset& s = now.whole();
     const Fitted& full = now.fit();
     const MatrixXd covariance = now.covariance(s, full, values_by_coefficients(full.x.size()));
-    const std::vector<TermProducts> names = exchanges_.dictionary(now, [](const Term& t) { return t.kind != TermKind::kCurve; });
+    const std::vector<TermProducts> names = exchanges_.products_of_dictionary(now, [](const Term& t) { return t.kind != TermKind::kCurve; });
     const auto relative = [&](const Fitted& f) {
       VectorXd e(current_.rows().joints());
       for (Eigen::Index i = 0; i < e.size(); ++i) {
@@ -194,7 +194,7 @@ class Outcome {
   std::vector<Chosen::RivalTerm> rivals_of_linearised(const Round& then, const Subset& all, const Fitted& fit, double gained, const Term& term) {
     std::vector<Chosen::RivalTerm> out;
     const auto is_rival = [&](const Term& t) { return !same_place(t, term) && t.kind != TermKind::kCurve; };
-    for (const Exchange& e : exchanges_.best_terms(then, all, exchanges_.dictionary(then, is_rival), kRivalGainShare * gained, is_rival)) {
+    for (const Exchange& e : exchanges_.best_terms(then, all, exchanges_.products_of_dictionary(then, is_rival), kRivalGainShare * gained, is_rival)) {
       const Gain g = then.gain(e.fit, fit);
       if (!std::isfinite(e.value) || gained - g.sum + e.term.price - term.price > 2.0 * g.error) continue;
       out.push_back({e.term, gained - g.sum, g.sum});
@@ -203,6 +203,7 @@ class Outcome {
     return out;
   }
 
+  // Adds to c, the k-th term, the terms that gain nearly as much in its place.
   void find_rivals(const Round& now, const std::vector<TermProducts>& names, const Fitted& full, size_t k, Chosen& c) {
     const std::vector<int> rest = current_.all_but({k});
     const Subset s = now.subset(rest);
@@ -218,6 +219,7 @@ class Outcome {
     c.rivals.resize(std::min(c.rivals.size(), kMostRivals));
   }
 
+  // Adds the best term of each cause that is not in the set.
   void find_rejected(const Round& now, const Subset& s, const Fitted& full, const std::vector<TermProducts>& names, SearchResult& out) {
     std::map<std::string, Rejected> best;
     for (const TermProducts& one : names) {
@@ -254,7 +256,7 @@ class Outcome {
 }  // namespace
 
 SearchResult outcome_of(CurrentSet& at, Exchanges& exchanges, const SearchRequest& request) {
-  return Outcome(at, exchanges, request).write();
+  return Outcome(at, exchanges, request).compute();
 }
 
 }  // namespace veridyn::search

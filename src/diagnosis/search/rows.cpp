@@ -23,6 +23,7 @@ PreprocessingOptions with_all_rows(PreprocessingOptions how) {
   return how;
 }
 
+// The usable samples of a segment's core at every `step`-th time of its grid.
 std::vector<Eigen::Index> kept_samples(const Segment& s, int step) {
   std::vector<Eigen::Index> out;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
@@ -31,7 +32,7 @@ std::vector<Eigen::Index> kept_samples(const Segment& s, int step) {
   return out;
 }
 
-bool is_left_out(const PreprocessingOptions& how, const std::string& source, int joint, double time) {
+bool is_excluded(const PreprocessingOptions& how, const std::string& source, int joint, double time) {
   return std::any_of(how.excluded_intervals.begin(), how.excluded_intervals.end(), [&](const ExcludedInterval& part) {
     return part.source == source && (!part.joint || *part.joint == joint) && time >= part.from && time <= part.to;
   });
@@ -101,7 +102,7 @@ Rows::Rows(const Model& arm, const std::vector<std::string>& recordings, const P
         const Eigen::Index at = one.kept[k];
         measured(one.first + k, i) = gain * torques[p](at, i);
         const double time = time_[one.first + k];
-        if (is_left_out(how, recordings[one.recording], i, time) || std::abs(one.segment.dq(at, i)) < how.min_speed)
+        if (is_excluded(how, recordings[one.recording], i, time) || std::abs(one.segment.dq(at, i)) < how.min_speed)
           used(one.first + k, i) = 0.0;
       }
     }

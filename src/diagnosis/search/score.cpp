@@ -158,19 +158,19 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
   weights_ = weights.rows() == count ? weights : MatrixXd::Ones(count, n);
   MatrixXd residual = y_;
   const MatrixXd before = weights_;
-  weigh(y_);
+  update_weights(y_);
   a_ = used_.cwiseProduct(before.cwiseSqrt()) * scale_.cwiseInverse().asDiagonal();
   std::vector<int> all(chosen.size());
   std::iota(all.begin(), all.end(), 0);
   for (int turn = 0; turn < kReweighted; ++turn) {
-    gram();
+    compute_gram_matrices();
     const Subset s = on_all_rows(all);
     VectorXd x = s.x, none;
     within_bounds(s, *s.all, nullptr, x, none);
     for (int i = 0; i < n; ++i) residual.col(i) = y_.col(i) - X_[i] * x(acting_[i]);
-    weigh(residual);
+    update_weights(residual);
   }
-  gram();
+  compute_gram_matrices();
   whole_ = subset(all);
   fit_ = evaluate(whole_);
   for (int i = 0; i < n; ++i) {
@@ -183,7 +183,7 @@ Round::Round(const Rows& rows, const Folds& folds, const Base& base, const std::
 }
 
 // Weights of the Student-t loss, and the scale of every joint, from residuals in sorted rows.
-void Round::weigh(const MatrixXd& residual) {
+void Round::update_weights(const MatrixXd& residual) {
   const auto n = residual.cols();
   scale_.resize(n);
   samples_.resize(n);
@@ -203,7 +203,7 @@ void Round::weigh(const MatrixXd& residual) {
   }
 }
 
-void Round::gram() {
+void Round::compute_gram_matrices() {
   const Eigen::Index p = ridge_.size();
   const int folds = folds_.count;
   G_.assign(folds, MatrixXd::Zero(p, p));
@@ -298,7 +298,7 @@ struct Sums {
   VectorXd d;
 };
 
-Sums all_folds(const Cross& c) {
+Sums sum_over_folds(const Cross& c) {
   Sums out{c.C[0], c.D[0], c.d[0]};
   for (size_t f = 1; f < c.C.size(); ++f) {
     out.C += c.C[f];
@@ -383,14 +383,14 @@ void Round::within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, c
 }
 
 std::pair<MatrixXd, VectorXd> Round::normal_equations(const Subset& s, const Cross& c) const {
-  const Sums all = all_folds(c);
+  const Sums all = sum_over_folds(c);
   const MatrixXd C = all.C(s.columns, Eigen::all);
   const MatrixXd half = s.all->matrixL().solve(C);
   return {all.D - half.transpose() * half, all.d - C.transpose() * VectorXd(s.x(s.columns))};
 }
 
 double Round::training_gain(const Subset& s, const Cross& c) const {
-  const Sums all = all_folds(c);
+  const Sums all = sum_over_folds(c);
   const Bordered with(*s.all, VectorXd(s.x(s.columns)), MatrixXd(all.C(s.columns, Eigen::all)), all.D, all.d, c.ridge);
   return with.in_span ? -1.0 : with.gain;
 }
@@ -403,7 +403,7 @@ Fitted Round::evaluate(const Subset& s, const Cross* c) const {
   MatrixXd sorted = y_;
   const Eigen::Index k = c != nullptr ? c->columns->count() : 0;
   Sums all;
-  if (c != nullptr) all = all_folds(*c);
+  if (c != nullptr) all = sum_over_folds(*c);
   for (int f = 0; f < folds_.count; ++f) {
     VectorXd x = s.x_fold[f], z = VectorXd::Zero(k);
     std::optional<Bordered> with;

@@ -76,8 +76,8 @@ class Round {
   /// The base with all chosen terms, and the fit of both.
   const Subset& whole() const { return whole_; }
   const Fitted& fit() const { return fit_; }
-  Subset subset(const std::vector<int>& chosen) const;
-  Cross cross(const Columns& columns, const VectorXd& ridge) const;
+  Subset subset(const std::vector<int>& chosen) const;  ///< @param chosen  indices of chosen terms
+  Cross cross(const Columns& columns, const VectorXd& ridge) const;  ///< products of a further term's columns
 
   /// A and b of the weighted squares z' A z - 2 b' z that further columns with coefficients z add to those of a subset
   /// which is fitted at the same time.
@@ -85,9 +85,9 @@ class Round {
 
   /// Upper bound of the gain of a term: the decrease of the weighted squares on the fitted rows.
   double training_gain(const Subset& s, const Cross& c) const;
-  Fitted evaluate(const Subset& s, const Cross* c = nullptr) const;
+  Fitted evaluate(const Subset& s, const Cross* c = nullptr) const;  ///< fit of s, and of a further term if c is not null
 
-  Gain gain(const Fitted& with, const Fitted& without) const;
+  Gain gain(const Fitted& with, const Fitted& without) const;  ///< the fit `with` against the fit `without`, prior included
 
   /// Covariance of the values of a fit, from the scatter of its blocks.
   /// @param M  combinations of the coefficients, one a row.
@@ -95,12 +95,12 @@ class Round {
 
  private:
   struct Bordered;
-  void within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const;
+  void within_bounds(const Subset& s, const Eigen::LLT<MatrixXd>& factor, const Bordered* border, VectorXd& x, VectorXd& z) const;  ///< also moves z, the coefficients of `border`, if there is one
   void solve(const std::vector<int>& columns, const MatrixXd& G_of_rows, const VectorXd& g, Eigen::LLT<MatrixXd>& factor, VectorXd& x) const;
-  Subset on_all_rows(const std::vector<int>& chosen) const;
+  Subset on_all_rows(const std::vector<int>& chosen) const;  ///< without the factors of the folds
   double score_of(const Fitted& fit) const;
-  void weigh(const MatrixXd& residual);
-  void gram();
+  void update_weights(const MatrixXd& residual);  ///< updates weights_, scale_ and samples_
+  void compute_gram_matrices();  ///< computes the Gram matrices of all folds
 
   const Rows& rows_;
   const Folds& folds_;

@@ -47,13 +47,13 @@ class Search {
       do {
         for (; has_room(); ++round) {
           if (request_.progress) request_.progress(round, most);
-          if (!add(false)) break;
-          exchange();
+          if (!add_best_term(false)) break;
+          exchange_terms();
         }
       } while (drop_failing() && has_room());
       if (request_.scope.changes) prefer_common_causes();
       const size_t with_curves = static_cast<size_t>(request_.most + current_.rows().joints());
-      while (request_.scope.wanted.empty() && current_.terms.size() < with_curves && add(true)) {
+      while (request_.scope.wanted.empty() && current_.terms.size() < with_curves && add_best_term(true)) {
         if (current_.terms.back().term.kind == TermKind::kCurve) replace_names_by_curve();
       }
       drop_failing();
@@ -74,8 +74,9 @@ class Search {
   bool is_compared_last(const Term& t) const { return t.kind == TermKind::kCurve || (t.imitates && request_.scope.wanted.empty()); }
 
   // A refuted term is not compared again.
-  bool is_name(const Term& t) const { return !is_compared_last(t) && aside_.count(t.place) == 0; }
+  bool is_compared_now(const Term& t) const { return !is_compared_last(t) && aside_.count(t.place) == 0; }
 
+  // True if the error of some joint rises significantly.
   static bool makes_worse(const Gain& g) {
     for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
       if (g.rise[i] > kSmallestDecrease && g.of_joint[i] < -kStandardErrorsWithoutTest * g.error_of_joint[i]) return true;
@@ -83,6 +84,7 @@ class Search {
     return false;
   }
 
+  // True if a gain is significant, is worth the price of the term and lowers an error that matters.
   bool passes(const Gain& g, const Term& t) const {
     const bool helps_its_joint = !t.joint || g.of_joint[t.joint->value] > 0.0;
     // A MODEL's own parameters may move at a cost. A change or a load that moves in their place saves this
@@ -94,7 +96,7 @@ class Search {
   }
 
   // Adds the term that lowers the score most; false if none passes the tests.
-  bool add(bool curves) {
+  bool add_best_term(bool curves) {
     const Round now = current_.round();
     const Subset& s = now.whole();
     const Fitted& fit = now.fit();
@@ -102,8 +104,8 @@ class Search {
     const auto may_enter = [&](const Term& t) {
       return !current_.is_chosen(t) && aside_.count(t.place) == 0 && is_compared_last(t) == curves && (has_room || t.kind == TermKind::kCurve);
     };
-    std::vector<TermProducts> all = exchanges_.dictionary(now, may_enter);
-    if (!curves) append(exchanges_.ripples(now, fit.residual), all);
+    std::vector<TermProducts> all = exchanges_.products_of_dictionary(now, may_enter);
+    if (!curves) append(exchanges_.products_of_ripples(now, fit.residual), all);
     std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, all, 1.0, may_enter);
     if (!curves && !far_gravities_tested_) {
       far_gravities_tested_ = true;
@@ -139,7 +141,8 @@ class Search {
     drop_superfluous();
   }
 
-  void replace(const std::set<size_t>& gone, const Exchange& e) {
+  // Removes the terms `gone`, appends the term of `e`, and moves to the arm that follows.
+  void replace_terms(const std::set<size_t>& gone, const Exchange& e) {
     std::vector<Chosen> kept;
     for (size_t k = 0; k < current_.terms.size(); ++k) {
       if (gone.count(k) == 0) kept.push_back(std::move(current_.terms[k]));
@@ -151,20 +154,21 @@ class Search {
 
   // Compares each chosen term with its removal, with every other term in its place, and pairs of terms with
   // one.
-  void exchange() {
+  void exchange_terms() {
     for (int turn = 0; turn < kTurns && !current_.terms.empty(); ++turn) {
       if (!exchange_once()) return;
     }
   }
 
+  // Makes the exchange that lowers the score most; false if none lowers it enough.
   bool exchange_once() {
     const Round now = current_.round();
     const size_t count = current_.terms.size();
     const std::vector<int> all = current_.all_but({});
     const Fitted& full = now.fit();
     const double value = full.score + current_.price_of(all);
-    std::vector<TermProducts> names = exchanges_.dictionary(now, [&](const Term& t) { return is_name(t); });
-    append(exchanges_.ripples(now, full.residual), names);
+    std::vector<TermProducts> names = exchanges_.products_of_dictionary(now, [&](const Term& t) { return is_compared_now(t); });
+    append(exchanges_.products_of_ripples(now, full.residual), names);
     for (size_t k = 0; k < count; ++k) {
       if (current_.terms[k].term.is_linearised()) continue;
       const std::vector<int> rest = current_.all_but({k});
@@ -176,7 +180,7 @@ class Search {
       }
       append(exchanges_.products_of(now, {current_.terms[k].term}), names);
       const double gained = without.score - full.score;
-      std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, names, gained, [&](const Term& t) { return is_name(t) && !current_.is_chosen(t, {k}) && current_.shares_joint(t, {k}); });
+      std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, names, gained, [&](const Term& t) { return is_compared_now(t) && !current_.is_chosen(t, {k}) && current_.shares_joint(t, {k}); });
       for (Exchange& e : exchanges) {
         if (e.value + current_.price_of(rest) >= value - kExchangeGain) break;
         const Gain g = now.gain(e.fit, full);
@@ -185,24 +189,24 @@ class Search {
         if (!passes(now.gain(e.fit, without), e.term)) continue;
         const bool same = same_place(e.term, current_.terms[k].term);
         if (same && e.value + current_.price_of(rest) >= value - 1.0) break;
-        replace({k}, e);
+        replace_terms({k}, e);
         return true;
       }
       names.pop_back();
     }
-    for (const std::set<size_t>& some : groups()) {
+    for (const std::set<size_t>& some : replaceable_groups()) {
       const std::vector<int> rest = current_.all_but(some);
       const Subset s = now.subset(rest);
       const Fitted without = now.evaluate(s);
-      std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, names, without.score - full.score, [&](const Term& t) { return is_name(t) && !current_.is_chosen(t, some) && current_.shares_joint(t, some); });
+      std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, names, without.score - full.score, [&](const Term& t) { return is_compared_now(t) && !current_.is_chosen(t, some) && current_.shares_joint(t, some); });
       for (Exchange& e : exchanges) {
         if (e.value + current_.price_of(rest) >= value) break;
         if (!passes(now.gain(e.fit, without), e.term)) continue;
-        replace(some, e);
+        replace_terms(some, e);
         return true;
       }
     }
-    return whole_arm();
+    return replace_by_whole_arm_term();
   }
 
   // Puts the most common cause in place of each chosen term among those that explain as much, within the error of their
@@ -218,8 +222,8 @@ class Search {
       const Fitted& full = now.fit();
       const Subset s = now.subset(current_.all_but({k}));
       const Fitted without = now.evaluate(s);
-      const auto may_enter = [&](const Term& t) { return is_name(t) && t.price < chosen.price - kGramRidge && !current_.is_chosen(t, {k}) && current_.shares_joint(t, {k}); };
-      std::vector<Exchange> common = exchanges_.best_terms(now, s, exchanges_.dictionary(now, may_enter), without.score - full.score, may_enter);
+      const auto may_enter = [&](const Term& t) { return is_compared_now(t) && t.price < chosen.price - kGramRidge && !current_.is_chosen(t, {k}) && current_.shares_joint(t, {k}); };
+      std::vector<Exchange> common = exchanges_.best_terms(now, s, exchanges_.products_of_dictionary(now, may_enter), without.score - full.score, may_enter);
       common.erase(std::remove_if(common.begin(), common.end(), [&](const Exchange& e) {
                      if (!std::isfinite(e.value) || !passes(now.gain(e.fit, without), e.term)) return true;
                      const Gain more = now.gain(full, e.fit);
@@ -227,12 +231,12 @@ class Search {
                    }), common.end());
       const auto cheapest = std::min_element(common.begin(), common.end(), [](const Exchange& a, const Exchange& b) { return a.term.price < b.term.price; });
       if (cheapest == common.end()) ++k;
-      else replace({k}, *cheapest);  // the new term is the last one, and the next term has the index k
+      else replace_terms({k}, *cheapest);  // the new term is the last one, and the next term has the index k
     }
   }
 
   // Groups of terms that one other term may replace: any two of a joint, and all of a joint.
-  std::vector<std::set<size_t>> groups() const {
+  std::vector<std::set<size_t>> replaceable_groups() const {
     std::set<std::set<size_t>> out;
     std::map<int, std::set<size_t>> of_joint;
     for (size_t k = 0; k < current_.terms.size(); ++k) {
@@ -279,7 +283,7 @@ class Search {
 
   // Compares all terms on several joints with a single term that acts on several joints, linearised again;
   // drops terms that are then superfluous. Each such term is tried once for every number of terms.
-  bool whole_arm() {
+  bool replace_by_whole_arm_term() {
     const size_t own = std::count_if(current_.terms.begin(), current_.terms.end(), [](const Chosen& c) { return c.term.joint.has_value(); });
     if (own < 2) return false;
     const CurrentSet::State state = current_.snapshot();
@@ -292,9 +296,9 @@ class Search {
     }
     const Subset s = now.subset(current_.all_but(local));
     const auto may_enter = [&](const Term& t) {
-      return is_name(t) && !t.joint && !current_.is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
+      return is_compared_now(t) && !t.joint && !current_.is_chosen(t) && tried_.count(t.place + std::to_string(before.size())) == 0;
     };
-    std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, exchanges_.dictionary(now, may_enter), 1.0, may_enter);
+    std::vector<Exchange> exchanges = exchanges_.best_terms(now, s, exchanges_.products_of_dictionary(now, may_enter), 1.0, may_enter);
     exchanges.resize(std::min(exchanges.size(), kMostWholeArm));
     for (const Exchange& e : exchanges) {
       tried_.insert(e.term.place + std::to_string(before.size()));
@@ -315,13 +319,13 @@ class Search {
       double change = 0.0;
       for (const Chosen& c : current_.terms) change += c.term.price;
       for (const Chosen& c : before) change -= c.term.price;
-      if (now.gain(after, full).sum > change + kExchangeGain && !same_set(before)) return true;
+      if (now.gain(after, full).sum > change + kExchangeGain && !has_same_causes(before)) return true;
       current_.restore(state);
     }
     return false;
   }
 
-  bool same_set(const std::vector<Chosen>& other) const {
+  bool has_same_causes(const std::vector<Chosen>& other) const {
     std::multiset<std::string> a, b;
     for (const Chosen& c : current_.terms) a.insert(c.term.place);
     for (const Chosen& c : other) b.insert(c.term.place);
@@ -363,7 +367,7 @@ class Search {
     const CurrentSet::State state = current_.snapshot();
     const size_t names = state.terms.size();
     const MatrixXd before = left();
-    while (current_.terms.size() < names + static_cast<size_t>(current_.rows().joints()) && add(true)) {}
+    while (current_.terms.size() < names + static_cast<size_t>(current_.rows().joints()) && add_best_term(true)) {}
     const MatrixXd after = left();
     VectorXd out = VectorXd::Constant(current_.rows().joints(), -1.0);
     for (size_t k = names; k < current_.terms.size(); ++k) {
@@ -374,7 +378,8 @@ class Search {
     return out;
   }
 
-  bool is_no_load(size_t k, const VectorXd& x, const VectorXd& deviations) const {
+  // @param x, deviations  coefficients of the whole set.
+  bool is_insignificant_load(size_t k, const VectorXd& x, const VectorXd& deviations) const {
     if (current_.terms[k].term.kind != TermKind::kLoad) return false;
     const auto [first, count] = current_.range(k);
     const double blocks = std::max(1.0, current_.folds().blocks - 1.0);
@@ -396,7 +401,7 @@ class Search {
         const CurrentSet::LeaveOneOut w = current_.evaluate_without(k, now);
         const bool refuted = is_contradicted(w.on_test);
         const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
-        if ((refuted || !passes(w.gain, current_.terms[k].term) || makes_worse(w.gain) || is_no_load(k, fit.x, deviations)) && (!gone || margin < least)) {
+        if ((refuted || !passes(w.gain, current_.terms[k].term) || makes_worse(w.gain) || is_insignificant_load(k, fit.x, deviations)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
           is_refuted = refuted;

@@ -22,6 +22,7 @@ struct Curve {
   double range() const { return high - low; }
 };
 
+// The curve over the first signal through `count` points, beginning with point `first`.
 Curve curve_of(const UnnamedShape& shape, size_t first, size_t count) {
   Curve c;
   for (size_t k = first; k < first + count; ++k) {
@@ -53,7 +54,7 @@ double deviation_from_line(const Curve& c) {
 }
 
 // Number of turns between rising and falling by more than a share of the range.
-int turns(const Curve& c) {
+int turn_count(const Curve& c) {
   int count = 0;
   double extreme = c.y.front();
   int direction = 0;
@@ -74,7 +75,7 @@ int turns(const Curve& c) {
 }
 
 // Number of points, from one end, over which the curve stays within a share of its range.
-size_t flat_from(const Curve& c, bool from_left) {
+size_t flat_point_count(const Curve& c, bool from_left) {
   const size_t n = c.y.size();
   const double start = from_left ? c.y.front() : c.y.back();
   double low = start;
@@ -107,7 +108,7 @@ std::pair<double, double> odd_and_even(const Curve& c) {
   return {odd, even};
 }
 
-std::string place(double x, const std::string& unit) {
+std::string position_text(double x, const std::string& unit) {
   return fmt::format("{:.3g} {}", x, unit);
 }
 
@@ -124,19 +125,19 @@ std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::str
                                                                             : "";
   if (s.kind == SignalKind::kHistory) return sides + "with a memory: it changes with the way since a reversal" + size;
   if (deviation_from_line(c) < 0.5 * kShapeFlat) return sides + "a straight line" + size;
-  if (turns(c) >= 3) return "periodic: it turns " + std::to_string(turns(c)) + " times" + size;
+  if (turn_count(c) >= 3) return "periodic: it turns " + std::to_string(turn_count(c)) + " times" + size;
   const size_t n = c.y.size();
-  const size_t left = flat_from(c, true);
-  const size_t right = flat_from(c, false);
-  if (2 * left >= n && turns(c) == 0)
-    return "one-sided: nothing below " + place(c.x[std::min(left, n - 1)], s.unit) + size;
-  if (2 * right >= n && turns(c) == 0)
-    return "one-sided: nothing above " + place(c.x[n - 1 - std::min(right, n - 1)], s.unit) + size;
+  const size_t left = flat_point_count(c, true);
+  const size_t right = flat_point_count(c, false);
+  if (2 * left >= n && turn_count(c) == 0)
+    return "one-sided: nothing below " + position_text(c.x[std::min(left, n - 1)], s.unit) + size;
+  if (2 * right >= n && turn_count(c) == 0)
+    return "one-sided: nothing above " + position_text(c.x[n - 1 - std::min(right, n - 1)], s.unit) + size;
   // A straight line stays within the share of_line of its range over the same share of its length.
   const double of_line = kShapeFlat * static_cast<double>(n);
-  if (turns(c) == 0 && static_cast<double>(std::min(left, right)) > of_line)
+  if (turn_count(c) == 0 && static_cast<double>(std::min(left, right)) > of_line)
     return sides + "saturating: flat towards both ends" + size;
-  if (turns(c) == 0) {
+  if (turn_count(c) == 0) {
     const double first = std::abs(c.y[n / 4] - c.y.front());
     const double last = std::abs(c.y.back() - c.y[n - 1 - n / 4]);
     const double middle = std::abs(c.y[n - 1 - n / 4] - c.y[n / 4]);
@@ -144,7 +145,7 @@ std::string words_of_curve(const Curve& c, const MotionSignal& s, const std::str
       return sides + "a dead zone: flat in the middle" + size;
     return sides + (c.y.back() > c.y.front() ? "rising" : "falling") + size;
   }
-  return sides + (turns(c) == 1 ? "one hump" : "two humps") + size;
+  return sides + (turn_count(c) == 1 ? "one hump" : "two humps") + size;
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-TableSignal signal_of(const MotionSignal& s, JointIndex joint) {
+TableSignal table_signal_of(const MotionSignal& s, JointIndex joint) {
   const bool own = s.joint == joint.value;
   switch (s.kind) {
     case SignalKind::kPosition: return own ? TableSignal::kPosition : TableSignal::kFromPosition;
@@ -20,7 +20,7 @@ TableSignal signal_of(const MotionSignal& s, JointIndex joint) {
   return TableSignal::kNone;
 }
 
-double code(TableSignal signal) {
+double table_code(TableSignal signal) {
   return static_cast<double>(signal);
 }
 
@@ -38,7 +38,7 @@ double value_at(const UnnamedShape& shape, size_t first, size_t count, double x)
 std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const UnnamedShape& shape,
                                   const std::vector<MotionSignal>& of) {
   std::vector<TableSignal> signals;
-  for (const MotionSignal& s : of) signals.push_back(signal_of(s, joint));
+  for (const MotionSignal& s : of) signals.push_back(table_signal_of(s, joint));
   if (signals.empty() || signals.front() == TableSignal::kNone) return {};
   if (signals.size() > 1 && signals[1] == TableSignal::kNone) return {};
   const auto add = [&](size_t first, size_t count, std::vector<EffectTerm>& out) {
@@ -49,7 +49,7 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
       if (s.joint && s.joint != joint.value && !term.from)
         term.from = Axis{VectorXd::Unit(arm.joints(), *s.joint), 0.0};
     }
-    term.values = {{"signal", code(signals.front())}, {"low", of.front().low}, {"high", of.front().high}};
+    term.values = {{"signal", table_code(signals.front())}, {"low", of.front().low}, {"high", of.front().high}};
     const double middle =
         value_at(shape, first, count, table_node(of.front().low, of.front().high, kTableNodes / 2));
     for (int k = 0; k < kTableNodes; ++k) {
@@ -75,10 +75,10 @@ std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const Unna
     add(at * row, row, out);
     std::map<std::string, double>& values = out.back().values;
     if (shape.on_sides) {
-      values["second"] = code(TableSignal::kDirection);
+      values["second"] = table_code(TableSignal::kDirection);
       values["at"] = w == 0 ? -1.0 : 1.0;
     } else {
-      values["second"] = code(signals[1]);
+      values["second"] = table_code(signals[1]);
       values["at"] = shape.curve[at * row].at[1];
       values["width"] = (shape.curve.back().at[1] - shape.curve.front().at[1]) / static_cast<double>(windows - 1);
     }

@@ -36,8 +36,8 @@ std::vector<Range> ranges_of(const Rows& rows) {
   return out;
 }
 
-// Price without the part that all effects have in common.
-double odds_of(const Effect& effect) {
+// Price [nats] of an effect above that of a frequent one.
+double price_of_effect(const Effect& effect) {
   const EffectTraits traits = effect.traits();
   if (effect.imitates_others()) return kImitator;
   const std::vector<EffectShape> shapes = effect.shapes();
@@ -46,6 +46,7 @@ double odds_of(const Effect& effect) {
   return seldom ? kPriceOfSeldom : 0.0;
 }
 
+// Builds the dictionary for the rows of an arm.
 class Builder {
  public:
   Builder(const Rows& rows, const TermScope& scope) : rows_(rows), scope_(scope), arm_(rows.arm()), range_(ranges_of(rows)) {
@@ -90,6 +91,7 @@ class Builder {
     return range_[joint].travel() > (arm_.coordinates()[joint].prismatic ? kStillLength : kStill);
   }
 
+  // Range and speed of the recorded motion along an axis: bounds, if several joints contribute.
   AxisMotion motion_along(const Axis& axis) const {
     AxisMotion m;
     m.type = is_prismatic(arm_, axis) ? JointType::kPrismatic : JointType::kRevolute;
@@ -123,7 +125,7 @@ class Builder {
     t.effect.effect = effect.name();
     t.effect.axis = c.axis;
     if (c.from) t.effect.from = Axis{VectorXd::Unit(arm_.joints(), c.from->value), 0.0};
-    t.price = odds_of(effect);
+    t.price = price_of_effect(effect);
     t.imitates = effect.imitates_others();
     const std::vector<EffectParameter> parameters = effect.parameters();
     const bool slides = !c.axis.coefficients.isZero(0.0) && is_prismatic(arm_, c.axis);
@@ -211,7 +213,7 @@ class Builder {
     }
   }
 
-  Signal signal(SignalKind kind, int joint) const {
+  Signal make_signal(SignalKind kind, int joint) const {
     static const char* const kNames[] = {"q", "dq", "tau", "history", "t"};
     const bool slides = arm_.coordinates()[joint].prismatic;
     const std::string length = slides ? "m" : "rad";
@@ -219,7 +221,7 @@ class Builder {
     s.unit = kind == SignalKind::kTime ? "s" : kind == SignalKind::kTorque ? (slides ? "N" : "N m") : kind == SignalKind::kVelocity ? length + "/s" : length;
     if (kind != SignalKind::kTime) s.name += std::to_string(joint + 1);
     for (const Stretch& stretch : rows_.stretches()) {
-      const VectorXd x = along(s, stretch, kRestShare * range_[joint].speed);
+      const VectorXd x = signal_along(s, stretch, kRestShare * range_[joint].speed);
       for (const Eigen::Index k : stretch.kept) {
         s.low = std::min(s.low, x[k]);
         s.high = std::max(s.high, x[k]);
@@ -228,7 +230,7 @@ class Builder {
     return s;
   }
 
-  SmoothBasis basis(const Signal& s, BasisKind kind, int intervals) const {
+  SmoothBasis make_basis(const Signal& s, BasisKind kind, int intervals) const {
     const double size = std::max(std::abs(s.low), std::abs(s.high));
     return {kind, s.low, s.high, intervals, std::max(kRestShare * size, numerics::kNoise)};
   }
@@ -257,17 +259,17 @@ class Builder {
     }
     std::vector<Signal> q, torque;
     for (const int i : moving) {
-      q.push_back(signal(SignalKind::kPosition, i));
-      torque.push_back(signal(SignalKind::kTorque, i));
+      q.push_back(make_signal(SignalKind::kPosition, i));
+      torque.push_back(make_signal(SignalKind::kTorque, i));
     }
-    const Signal t = signal(SignalKind::kTime, 0);
+    const Signal t = make_signal(SignalKind::kTime, 0);
     for (size_t a = 0; a < moving.size(); ++a) {
       const int j = moving[a];
-      const Signal dq = signal(SignalKind::kVelocity, j), history = signal(SignalKind::kHistory, j);
-      const auto smooth = [&](const Signal& s, int intervals) { return basis(s, BasisKind::kSmooth, intervals); };
-      add_curve(j, {dq}, {basis(dq, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
-      add_curve(j, {history}, {basis(history, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
-      const SmoothBasis sides = basis(dq, BasisKind::kSides, 1);
+      const Signal dq = make_signal(SignalKind::kVelocity, j), history = make_signal(SignalKind::kHistory, j);
+      const auto smooth = [&](const Signal& s, int intervals) { return make_basis(s, BasisKind::kSmooth, intervals); };
+      add_curve(j, {dq}, {make_basis(dq, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
+      add_curve(j, {history}, {make_basis(history, BasisKind::kSided, kCurveIntervals)}, kCurveOfOne);
+      const SmoothBasis sides = make_basis(dq, BasisKind::kSides, 1);
       if (!scope_.poses) {
         add_curve(j, {t}, {smooth(t, kCurveIntervals)}, kCurveOfOne);
         add_curve(j, {t, dq}, {smooth(t, kSideIntervals), sides}, kCurveOfTwo);
@@ -410,7 +412,7 @@ Columns curve_columns_at(const Term& term, const Rows& rows) {
     for (size_t k = 0; k < term.signals.size(); ++k) {
       const Signal& signal = term.signals[k];
       const double fastest = s.segment.dq.col(signal.joint).cwiseAbs().maxCoeff();
-      x.col(static_cast<Eigen::Index>(k)) = along(signal, s, kRestShare * fastest);
+      x.col(static_cast<Eigen::Index>(k)) = signal_along(signal, s, kRestShare * fastest);
     }
     MatrixXd columns = curve_columns(term, x);
     if (out.of.empty()) out.of.emplace_back(rows.rows(), columns.cols());
@@ -423,7 +425,7 @@ constexpr auto kWaves = static_cast<size_t>((kLastWave - kFirstWave) / kWaveGrid
 
 // The most prominent wave numbers in a joint's residual over its position, the largest first.
 // @param unit  wave number of one wave per travel.
-std::vector<double> lines_of(const Rows& rows, const MatrixXd& residual, int joint, double unit) {
+std::vector<double> prominent_wave_numbers(const Rows& rows, const MatrixXd& residual, int joint, double unit) {
   std::vector<double> s, r;
   for (const Stretch& stretch : rows.stretches()) {
     for (size_t k = 0; k < stretch.kept.size(); ++k) {
@@ -451,7 +453,7 @@ bool TermScope::is_wanted(const Model& arm, const Cause& cause) const {
   return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](const std::string& one) { return one == effect_of(cause) || one == to_text(arm, cause); });
 }
 
-double reach_of(const FrameConstant& constant) {
+double largest_change_of(const FrameConstant& constant) {
   return unit_of(constant) == "m" ? kLengthReach : kAngleReach;
 }
 
@@ -485,7 +487,7 @@ std::vector<Term> ripples(const Rows& rows, const MatrixXd& residual, const std:
   std::vector<std::vector<double>> lines(rows.joints());
   parallel_for(rows.joints(), threads, [&](int i) {
     if (range[i].travel() > (rows.arm().coordinates()[i].prismatic ? kStillLength : kStill))
-      lines[i] = lines_of(rows, residual, i, 2.0 * M_PI / range[i].travel());
+      lines[i] = prominent_wave_numbers(rows, residual, i, 2.0 * M_PI / range[i].travel());
   });
   for (int i = 0; i < rows.joints(); ++i) {
     for (const AxisEffect* effect : axis_effects()) {
@@ -526,7 +528,7 @@ Model with_step(const Model& arm, const Term& term, const std::vector<double>& s
   return with_channel_error(arm, term.effect, step);
 }
 
-VectorXd along(const Signal& signal, const Stretch& s, double rest_speed) {
+VectorXd signal_along(const Signal& signal, const Stretch& s, double rest_speed) {
   const Segment& m = s.segment;
   switch (signal.kind) {
     case SignalKind::kPosition: return m.q.col(signal.joint);

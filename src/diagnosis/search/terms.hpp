@@ -82,7 +82,7 @@ struct TermScope {
 };
 
 /// Largest change of a constant of the robot file: an optimum beyond it is rejected.
-double reach_of(const FrameConstant& constant);
+double largest_change_of(const FrameConstant& constant);
 
 /// The dictionary of an arm, with prices.
 std::vector<Term> dictionary(const Rows& rows, const TermScope& scope);
@@ -101,7 +101,7 @@ Columns columns_of(const Term& term, const Rows& rows);
 Model with_step(const Model& arm, const Term& term, const std::vector<double>& step);
 
 /// Values of a signal along a stretch.
-VectorXd along(const Signal& signal, const Stretch& stretch, double rest_speed);
+VectorXd signal_along(const Signal& signal, const Stretch& stretch, double rest_speed);
 
 /// Values of a curve's columns.
 MatrixXd curve_columns(const Term& term, const MatrixXd& signals);

@@ -22,6 +22,7 @@ std::vector<double> centred(std::vector<double> x) {
   return x;
 }
 
+// Measured minus modelled torque of a joint, minus its mean.
 std::vector<double> residual_of(const PredictionSeries& x, size_t joint) {
   std::vector<double> out;
   for (size_t k = 0; k < x.time.size(); ++k) out.push_back(x.measured[joint][k] - x.modelled[joint][k]);

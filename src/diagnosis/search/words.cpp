@@ -29,6 +29,8 @@ double quotient_deviation(double a, double b, double aa, double bb, double ab) {
   return std::sqrt(std::max(0.0, aa / (b * b) - 2.0 * a * ab / (b * b * b) + a * a * bb / (b * b * b * b)));
 }
 
+// The describe functions write values, intervals and phrase of a term into its finding.
+// @param t  half width of an interval in standard deviations. @param before  the arm without the terms.
 void describe_load(const Chosen& c, double t, Finding& f) {
   const VectorXd& z = c.values;
   const MatrixXd& C = c.covariance;

@@ -30,7 +30,7 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
   }
 }
 
-void ChangeFinder::learn(const std::vector<Step>& quiet) {
+void ChangeFinder::learn_quiet_steps(const std::vector<Step>& quiet) {
   NoiseModel own(arm_, hypotheses_, numbers_);
   own.fit({}, quiet);
   for (const Step& step : quiet) {
@@ -104,9 +104,9 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
     change_->steps.push_back(white);
     if (change_->named) change_->steps.back().e += white.X(Eigen::all, change_->score.columns) * change_->score.size;
   }
-  if (change_ && change_->named) refine(step.time);
-  detect(step.time, state);
-  if (is_suspected()) isolate(step.time, false);
+  if (change_ && change_->named) refine_change(step.time);
+  detect_change(step.time, state);
+  if (is_suspected()) isolate_change(step.time, false);
   update_noise(step, state.strength);
   state.residual = noise_.rest(step, known_);
   state.noise = noise_.deviation();
@@ -193,9 +193,9 @@ void ChangeFinder::report_present_cause(double now) {
   const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(kNothing));
   if (share.maxCoeff() < numbers_.present_share || std::abs(c.score.size[0]) <= half_width(c.score)) return;
   c.id = ++ids_;
-  WatchEvent e = event(c, WatchStage::kPresent, now);
+  WatchEvent e = make_event(c, WatchStage::kPresent, now);
   add_rivals(all, c.score, e);
-  emit(std::move(e));
+  store_event(std::move(e));
   if (hypotheses_[c.score.hypothesis].along_axis()) return;
   for (Step& step : quiet_)
     step.residual -= step.columns(Eigen::all, c.score.columns) * c.score.size;
@@ -205,7 +205,7 @@ void ChangeFinder::report_present_cause(double now) {
   calibrate();
 }
 
-void ChangeFinder::detect(double now, WatchState& state) {
+void ChangeFinder::detect_change(double now, WatchState& state) {
   state.strength = 0.0;
   int hypothesis = -1;
   size_t memory = 0;
@@ -223,7 +223,7 @@ void ChangeFinder::detect(double now, WatchState& state) {
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
   if (is_suspected() || above_ < numbers_.above_in_a_row || now < refractory_until_) return;
   if (change_ && withdraw_name(now)) return;
-  close(now, false);
+  close_change(now, false);
   Change c;
   c.id = ++ids_;
   c.alarm = now;
@@ -233,7 +233,7 @@ void ChangeFinder::detect(double now, WatchState& state) {
                        now - c.lookback, now);
   c.steps = recent_;
   change_ = c;
-  emit(event(c, WatchStage::kSuspected, now));
+  store_event(make_event(c, WatchStage::kSuspected, now));
 }
 
 // Every hypothesis with its own best onset, the most likely first.
@@ -258,16 +258,16 @@ std::vector<Score> ChangeFinder::scores(const Change& change,
 }
 
 // Price of one torque for half a second of a push.
-double ChangeFinder::price() const { return quantiles_.dispersion() * std::log(static_cast<double>(change_->steps.size())); }
+double ChangeFinder::push_price() const { return quantiles_.dispersion() * std::log(static_cast<double>(change_->steps.size())); }
 
-void ChangeFinder::isolate(double now, bool last) {
+void ChangeFinder::isolate_change(double now, bool last) {
   const double earliest = change_->alarm - change_->lookback;
   const std::vector<Score> scores = this->scores(*change_, change_->steps);
   const Score& best = scores.front();
   const auto push = [&](double latest, double still, double price) {
     return best_push(change_->steps, offset_of_joint_, earliest, latest, still, price, numbers_);
   };
-  const Push lasting = push(change_->alarm, 0.0, price()), ended = push(change_->alarm, numbers_.push_ends - 0.5 * options_.step, price());
+  const Push lasting = push(change_->alarm, 0.0, push_price()), ended = push(change_->alarm, numbers_.push_ends - 0.5 * options_.step, push_price());
   const bool still = ended.gain + odds() > lasting.gain;  // no significant residual after its end
   if (still && ended.gain > best.gain + odds()) {
     report_push(ended, now);
@@ -283,7 +283,7 @@ void ChangeFinder::isolate(double now, bool last) {
   const auto other = std::find_if(scores.begin(), scores.end(), [&](const Score& s) { return effect(s) != effect(best); });
   const double next = std::max(still ? ended.gain : 0.0, other == scores.end() ? 0.0 : other->gain);
   const bool likely = explained && best.gain - next > odds() && now - best.onset >= numbers_.soonest_name;
-  if (late || likely) name(scores, now);
+  if (late || likely) name_change(scores, now);
 }
 
 // The score without the step of the change, which mixes both states.
@@ -330,7 +330,7 @@ void ChangeFinder::set_size(WatchEvent& e, double value, double half) {
 
 double ChangeFinder::quantile() const { return student_t_quantile(kOutside, quantiles_.freedom()); }
 
-WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) const {
+WatchEvent ChangeFinder::make_event(const Change& c, WatchStage stage, double now) const {
   const Hypothesis& h = hypotheses_[c.score.hypothesis];
   WatchEvent e;
   e.id = c.id;
@@ -354,11 +354,11 @@ void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& bes
   }
 }
 
-void ChangeFinder::name(const std::vector<Score>& scores, double now) {
+void ChangeFinder::name_change(const std::vector<Score>& scores, double now) {
   Change& c = *change_;
   c.score = score_after_transient(scores.front());
   c.named = now;
-  WatchEvent e = event(c, WatchStage::kNamed, now);
+  WatchEvent e = make_event(c, WatchStage::kNamed, now);
   add_rivals(scores, c.score, e);
   // The same change with the opposite sign: it was reverted.
   const double size = c.score.size[0];
@@ -367,7 +367,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
            std::abs(p.score.size[0] + size) < 0.5 * std::abs(p.score.size[0]);
   });
   if (before != past_.rend()) {
-    e = event(*before, WatchStage::kOver, now);
+    e = make_event(*before, WatchStage::kOver, now);
     e.until = c.score.onset;
     compensate(before->score, -1.0);
     past_.erase(std::next(before).base());
@@ -375,14 +375,14 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   } else {
     compensate(c.score, 1.0);
   }
-  emit(std::move(e));
+  store_event(std::move(e));
   reset();
   refractory_until_ = now + numbers_.refractory_time;
 }
 
 void ChangeFinder::report_push(const Push& push, double now) {
   const int j = push.last_joint ? push.last_joint->value : 0;
-  WatchEvent e = event(*change_, now - push.to < numbers_.push_ends - 0.5 * options_.step ? WatchStage::kUnnamed : WatchStage::kOver, now);
+  WatchEvent e = make_event(*change_, now - push.to < numbers_.push_ends - 0.5 * options_.step ? WatchStage::kUnnamed : WatchStage::kOver, now);
   change_.reset();
   e.cause = ExternalContact{{j}};
   e.since = push.from;
@@ -391,25 +391,25 @@ void ChangeFinder::report_push(const Push& push, double now) {
   set_size(e, push.torque.size() > j ? push.torque[j] : 0.0,
            quantile() * noise_.deviation()[j] * std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps));
   e.unit = effort_unit(arm_.coordinates()[j]);
-  emit(std::move(e));
+  store_event(std::move(e));
   reset();
   refractory_until_ = now + numbers_.refractory_time;
 }
 
 // Estimates the size of a named change again with every step, and tests its name.
-void ChangeFinder::refine(double now) {
+void ChangeFinder::refine_change(double now) {
   if (withdraw_name(now)) return;
   Change& c = *change_;
   compensate(c.score, -1.0);
   c.score = score_after_transient(c.score);
   compensate(c.score, 1.0);
-  if (now - *c.named >= options_.refine) close(now, true);
+  if (now - *c.named >= options_.refine) close_change(now, true);
 }
 
 // A named change counts as known from now on.
-void ChangeFinder::close(double now, bool report) {
+void ChangeFinder::close_change(double now, bool report) {
   if (!change_) return;
-  if (report) emit(event(*change_, WatchStage::kRefined, now));
+  if (report) store_event(make_event(*change_, WatchStage::kRefined, now));
   change_->steps.clear();
   past_.push_back(*std::exchange(change_, std::nullopt));
 }
@@ -424,7 +424,7 @@ bool ChangeFinder::withdraw_name(double now) {
     return s.hypothesis == c.score.hypothesis;
   });
   if (all.front().gain - same->gain <= odds()) return false;
-  emit(event(c, WatchStage::kWithdrawn, now));
+  store_event(make_event(c, WatchStage::kWithdrawn, now));
   compensate(c.score, -1.0);
   recent_ = c.steps;
   c.withdrawn = true;
@@ -432,7 +432,7 @@ bool ChangeFinder::withdraw_name(double now) {
   return true;
 }
 
-void ChangeFinder::jump(const PositionJump& jump, double now) {
+void ChangeFinder::add_jump(const PositionJump& jump, double now) {
   const auto slip = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
     return is_channel(h.of) && h.of.joint == JointIndex{jump.joint} &&
            find_effect(effect_of(h.of.cause)).traits().same_as_wrong_constant;
@@ -444,9 +444,9 @@ void ChangeFinder::jump(const PositionJump& jump, double now) {
   c.score.onset = jump.time;
   c.score.size = VectorXd::Constant(1, jump.size);
   c.strength = std::abs(jump.size) / std::max(jump.noise, 1e-300);
-  WatchEvent e = event(c, WatchStage::kNamed, std::max(now, jump.time));
+  WatchEvent e = make_event(c, WatchStage::kNamed, std::max(now, jump.time));
   set_size(e, jump.size, quantile() * jump.noise);
-  emit(std::move(e));
+  store_event(std::move(e));
   refractory_until_ = jump.time + numbers_.refractory_time;
 }
 
@@ -474,11 +474,11 @@ void ChangeFinder::restart_clock(const Blindness& blindness, double now) {
 }
 
 void ChangeFinder::finish(double now) {
-  if (is_suspected()) isolate(now, true);
-  close(now, true);
+  if (is_suspected()) isolate_change(now, true);
+  close_change(now, true);
 }
 
-void ChangeFinder::emit(WatchEvent e) {
+void ChangeFinder::store_event(WatchEvent e) {
   e.text = to_text(arm_, e.cause);
   events_.push_back(std::move(e));
 }

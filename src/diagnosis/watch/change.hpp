@@ -30,43 +30,43 @@ class ChangeFinder {
   ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
                const WatchOptions& options, const WatchNumbers& numbers);
 
-  void learn(const std::vector<Step>& quiet);
-  void add(const Step& step, WatchState& state);
-  void jump(const PositionJump& jump, double now);
-  void discard_suspicion(const Blindness& blindness);
+  void learn_quiet_steps(const std::vector<Step>& quiet);  ///< steps of another day or time in which nothing changed
+  void add(const Step& step, WatchState& state);  ///< the next step, in order of time; sets suspect and strength
+  void add_jump(const PositionJump& jump, double now);  ///< adds an event for a jump of an encoder
+  void discard_suspicion(const Blindness& blindness);  ///< reports the time without usable rows
   /// The clock was set back: open changes are reported, as at the end, and all estimates are kept.
   void restart_clock(const Blindness& blindness, double now);
-  void finish(double now);
-  std::vector<WatchEvent> take_events();
-  bool learning() const { return learning_; }
+  void finish(double now);  ///< isolates and closes the open change, after the last step
+  std::vector<WatchEvent> take_events();  ///< events since the last call
+  bool learning() const { return learning_; }  ///< true until thresholds are known
 
  private:
-  void calibrate();
+  void calibrate();  ///< fits noise and thresholds to the quiet steps
   void set_bounds();
   void report_present_cause(double now);
   void add_rivals(const std::vector<Score>& scores, const Score& best, WatchEvent& e) const;
-  void detect(double now, WatchState& state);
+  void detect_change(double now, WatchState& state);  ///< raises an alarm if a statistic stays above its threshold
   void update_noise(const Step& step, double strength);
-  void isolate(double now, bool last);
-  std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;
-  void name(const std::vector<Score>& scores, double now);
+  void isolate_change(double now, bool last);  ///< names the open change, calls it a push, or waits; `last`: it cannot wait
+  std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;  ///< the largest gain first
+  void name_change(const std::vector<Score>& scores, double now);  ///< names the first score as the cause
   void report_push(const Push& push, double now);
-  void refine(double now);
+  void refine_change(double now);
   bool withdraw_name(double now);
-  void close(double now, bool report);
+  void close_change(double now, bool report);  ///< moves the open change to past_
   void reset();
-  double price() const;
+  double push_price() const;
   double odds() const { return quantiles_.dispersion() * numbers_.odds; }
   bool is_suspected() const { return change_ && !change_->named; }
   Score score_after_transient(const Score& score) const;
   bool explains_change(const Score& score) const;
-  double half_width(const Score& score) const;
+  double half_width(const Score& score) const;  ///< of the interval of the first size
   double own_value(const Hypothesis& one) const;
-  double quantile() const;
+  double quantile() const;  ///< half width of an interval in standard deviations
   static void set_size(WatchEvent& e, double value, double half);
-  void compensate(const Score& score, double share);
-  WatchEvent event(const Change& change, WatchStage stage, double now) const;
-  void emit(WatchEvent e);
+  void compensate(const Score& score, double share);  ///< adds a share of the sizes to the known changes
+  WatchEvent make_event(const Change& change, WatchStage stage, double now) const;  ///< of a change at the time now [s]
+  void store_event(WatchEvent e);  ///< stores an event for take_events()
 
   const WatchNumbers& numbers_;
   Model arm_;

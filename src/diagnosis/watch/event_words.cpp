@@ -24,7 +24,7 @@ std::string rivals_words(const WatchEvent& e) {
   return out.empty() ? "" : " As likely within odds of 100 to 1: " + out + ".";
 }
 
-std::string what(const WatchEvent& e) {
+std::string change_words(const WatchEvent& e) {
   const std::string size =
       fmt::format("{:+.3g} {} (95 %: {:.3g} to {:.3g})", e.value, e.unit, e.low, e.high);
   if (std::holds_alternative<AddedLoad>(e.cause))
@@ -44,7 +44,7 @@ std::string what(const WatchEvent& e) {
 }  // namespace
 
 std::string sentence(const WatchEvent& e) {
-  const auto since = [&] { return fmt::format("since {:.2f} s {}.", e.since, what(e)); };
+  const auto since = [&] { return fmt::format("since {:.2f} s {}.", e.since, change_words(e)); };
   switch (e.stage) {
     case WatchStage::kSuspected:
       return fmt::format("{:.2f} s: something changed, at about {:.2f} s; most like {}.", e.time, e.since, e.text);
@@ -53,9 +53,9 @@ std::string sentence(const WatchEvent& e) {
     case WatchStage::kRefined: return fmt::format("{:.2f} s: {}", e.time, since());
     case WatchStage::kWithdrawn: return fmt::format("{:.2f} s: withdrawn: {}", e.time, since());
     case WatchStage::kOver:
-      return fmt::format("{:.2f} s: over again; from {:.2f} to {:.2f} s {}.", e.time, e.since, e.until, what(e));
+      return fmt::format("{:.2f} s: over again; from {:.2f} to {:.2f} s {}.", e.time, e.since, e.until, change_words(e));
     case WatchStage::kPresent:
-      return fmt::format("{:.2f} s: from the beginning on, {}.{}", e.time, what(e), rivals_words(e));
+      return fmt::format("{:.2f} s: from the beginning on, {}.{}", e.time, change_words(e), rivals_words(e));
     case WatchStage::kBlind: break;
   }
   return {};

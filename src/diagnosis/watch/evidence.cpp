@@ -27,6 +27,7 @@ namespace {
 double bounded_size(double A, double b, double least, double largest) {
   return A > kNothing ? std::clamp(b / A, least, largest) : 0.0;
 }
+// Gain of a size: twice the log-likelihood ratio to zero, for information A and weighted residual b.
 double gain(double A, double b, double size) {
   return size * (2.0 * b - A * size);
 }

@@ -119,10 +119,10 @@ std::optional<Step> Hypotheses::add(const SmoothedRow& row, double dt, double sp
   tau_.row(rows_) = row.tau.transpose();
   if (++rows_ < count) return {};
   rows_ = 0;
-  return step(dt, spacing);
+  return make_step(dt, spacing);
 }
 
-Step Hypotheses::step(double dt, double spacing) {
+Step Hypotheses::make_step(double dt, double spacing) {
   const Eigen::Index n = arm_.joints();
   MatrixXd torque, weight;
   bodies_.torques(q_, dq_, ddq_, phi_, torque);

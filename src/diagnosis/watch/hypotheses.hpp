@@ -57,8 +57,8 @@ class Hypotheses {
     double level = 0.0, fastest = 0.0;
   };
   MotionView motion() const { return {time_, q_, dq_, ddq_}; }
-  Step step(double dt, double spacing);
-  void add_effects(const MatrixXd& rigid, double spacing, MatrixXd& torque, Step& out);
+  Step make_step(double dt, double spacing);  ///< the means of the rows since the last step
+  void add_effects(const MatrixXd& rigid, double spacing, MatrixXd& torque, Step& out);  ///< adds torques of the model's effects
   void add_columns(const MatrixXd& torque, double dt, Step& out);
 
   const WatchNumbers& numbers_;

@@ -56,14 +56,14 @@ void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& t
   scale_ = scale_.cwiseSqrt();
   today_.setZero();
   ar_.setZero();
-  fit_colour(all);
+  fit_autoregression(all);
   fit_daily_offsets(today);
-  fit_colour(all);
+  fit_autoregression(all);
 }
 
 // Autoregression of every joint's residual on the two previous steps; poles are moved inside the
 // unit circle.
-void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) {
+void NoiseModel::fit_autoregression(const std::vector<const std::vector<Step>*>& quiet) {
   std::vector<VectorXd> rest;
   std::vector<const Step*> steps;
   for (const auto* part : quiet) {

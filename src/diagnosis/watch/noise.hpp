@@ -45,8 +45,8 @@ class NoiseModel {
   VectorXd rest(const Step& step, const VectorXd& known) const;
 
  private:
-  void fit_colour(const std::vector<const std::vector<Step>*>& quiet);
-  double novelty(const Step& step, int joint) const;
+  void fit_autoregression(const std::vector<const std::vector<Step>*>& quiet);  ///< fits the autoregression
+  double novelty(const Step& step, int joint) const;  ///< sum of the excesses of torque components over their ranges while quiet
   void fit_daily_offsets(const std::vector<Step>& quiet);
 
   const WatchNumbers& numbers_;

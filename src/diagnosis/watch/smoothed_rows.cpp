@@ -55,7 +55,7 @@ void SmoothedRows::check(const Recording& rows) const {
 }
 
 // Reason why a row is unusable, or empty.
-std::string SmoothedRows::fault(const Row& row) const {
+std::string SmoothedRows::row_fault(const Row& row) const {
   for (Eigen::Index i = 0; i < row.x.size(); ++i) {
     const double value = row.x[i];
     if (std::isfinite(value) && std::abs(value) < kAbsurd) continue;
@@ -69,7 +69,7 @@ std::string SmoothedRows::fault(const Row& row) const {
 }
 
 // True if the arm moved when the last row came: one that repeats it is no rest.
-bool SmoothedRows::moved() const {
+bool SmoothedRows::was_moving() const {
   return (speed_.cwiseAbs().cwiseMin(mean_speed_.cwiseAbs()).array() > numbers_.rest_share * fastest_.array()).any();
 }
 
@@ -146,26 +146,26 @@ void SmoothedRows::add(const Recording& rows) {
     copy_row(rows, k, row);
     if (!std::isfinite(row.t)) continue;
     if (dt_ > 0.0) {
-      take(row);
+      accept(row);
       continue;
     }
     start_.push_back(row);
     const bool enough = k + 1 == rows.rows() || row.t - start_.front().t > kStart * numbers_.pause;
     if (!enough || start_.size() < static_cast<size_t>(numbers_.rows_for_step)) continue;
-    begin();
+    choose_windows();
     require(dt_ > 0.0, rows.source, ": found times that do not rise, expected a clock.");
-    for (const Row& one : std::exchange(start_, {})) take(one);
+    for (const Row& one : std::exchange(start_, {})) accept(one);
   }
 }
 
-void SmoothedRows::take(const Row& row) {
+void SmoothedRows::accept(const Row& row) {
   if (!is_clock_continuous(row.t)) return;
-  const std::string why = fault(row);
-  why.empty() ? place(row) : mark_unusable(row.t, why);
+  const std::string why = row_fault(row);
+  why.empty() ? queue(row) : mark_unusable(row.t, why);
 }
 
 // The time step is that of the rows; the window of the smoothing holds some new values of each position and velocity.
-void SmoothedRows::begin() {
+void SmoothedRows::choose_windows() {
   std::vector<double> times;
   for (const Row& one : start_) {
     if (static_cast<int>(times.size()) < numbers_.rows_for_step) times.push_back(one.t);
@@ -187,7 +187,7 @@ void SmoothedRows::begin() {
 }
 
 // A signal that stopped, or positions and velocities that contradict each other; or empty.
-std::string SmoothedRows::unusable_reason(const Row& row) {
+std::string SmoothedRows::signal_fault(const Row& row) {
   VectorXd path = VectorXd::Zero(3 * n_);
   path.head(n_) = path_;
   path.tail(n_) = row.x.head(n_);
@@ -197,14 +197,14 @@ std::string SmoothedRows::unusable_reason(const Row& row) {
   return stopped->why;
 }
 
-void SmoothedRows::place(const Row& row) {
+void SmoothedRows::queue(const Row& row) {
   // The smoothing's window holds so few rows that the lines between them have other derivatives.
   const double apart = row.t - std::exchange(placed_, row.t);
   std::string sparse;
   if (2.0 * apart > static_cast<double>(half_) * dt_ && apart <= numbers_.pause)
     sparse = text("rows come every ", std::round(1e4 * apart) / 10.0, " ms, and every ", std::round(1e4 * dt_) / 10.0, " ms before");
   if (last_) {
-    if (row.x == last_->x && moved()) {
+    if (row.x == last_->x && was_moving()) {
       mark_unusable(row.t, "the same row comes again and again, of an arm that moves");
       return;
     }
@@ -219,7 +219,7 @@ void SmoothedRows::place(const Row& row) {
   }
   if (row.t - path_time_ < numbers_.pause) path_ += (row.t - path_time_) * row.x.segment(n_, n_);
   path_time_ = row.t;
-  std::string why = unusable_reason(row);
+  std::string why = signal_fault(row);
   if (why.empty() || why == contradiction_) why = sparse.empty() ? contradiction_ : sparse;
   if (why.empty()) {
     mark_usable(row.t);
@@ -241,11 +241,11 @@ void SmoothedRows::resample(const Row& row) {
     resampled_ = row;
   }
   for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + kSameTime * dt_; ++next_)
-    put(t < row.t ? VectorXd(resampled_->x + (t - resampled_->t) / (row.t - resampled_->t) * (row.x - resampled_->x)) : row.x);
+    add_grid_point(t < row.t ? VectorXd(resampled_->x + (t - resampled_->t) / (row.t - resampled_->t) * (row.x - resampled_->x)) : row.x);
   resampled_ = row;
 }
 
-void SmoothedRows::put(const VectorXd& x) {
+void SmoothedRows::add_grid_point(const VectorXd& x) {
   if (filled_ == window_.cols()) {
     std::copy(window_.data() + window_.rows(), window_.data() + window_.size(), window_.data());
     --filled_;

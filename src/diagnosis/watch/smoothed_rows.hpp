@@ -66,11 +66,11 @@ class SmoothedRows {
   /// @throws InvalidInput  another number of joints, neither torques nor currents with drive gains, no
   /// velocities after rows with them.
   void check(const Recording& rows) const;
-  void add(const Recording& rows);
-  double dt() const { return dt_; }
+  void add(const Recording& rows);  ///< all rows of a recording, in order of time
+  double dt() const { return dt_; }  ///< [s] of the grid; 0 until it is known
   double spacing() const { return spacing_; }  ///< [s] between new values of the slowest signal
   double last_row_time() const { return last_row_time_; }  ///< [s] of the last row, usable or not
-  double blind() const { return blind_ + (is_blind_ ? last_row_time_ - usable_ : 0.0); }
+  double blind() const { return blind_ + (is_blind_ ? last_row_time_ - usable_ : 0.0); }  ///< [s] total time without usable rows
 
   /// The times of further rows are those of this clock; all reports have true times.
   void set_clock(const RowClock& clock) { clock_ = clock; }
@@ -83,18 +83,18 @@ class SmoothedRows {
 
  private:
   void copy_row(const Recording& rows, int k, Row& row) const;
-  std::string fault(const Row& row) const;
-  bool moved() const;
+  std::string row_fault(const Row& row) const;
+  bool was_moving() const;
   bool is_clock_continuous(double time);
   void restart_clock(double time, double before);
   void mark_unusable(double time, const std::string& why);
   void mark_usable(double time);
-  void begin();
-  void take(const Row& row);
-  void place(const Row& row);
-  std::string unusable_reason(const Row& row);
+  void choose_windows();  ///< chooses time step and windows
+  void accept(const Row& row);  ///< checks a row and passes it on
+  void queue(const Row& row);  ///< compares a usable row with its predecessors and queues it
+  std::string signal_fault(const Row& row);
   void resample(const Row& row);
-  void put(const VectorXd& x);
+  void add_grid_point(const VectorXd& x);  ///< adds a point of the grid to the window
   /// (n) motion over the last samples [rad], [m].
   struct Motion {
     VectorXd moved;       ///< difference of the positions
@@ -139,7 +139,7 @@ class SmoothedRows {
   // [s] time of the last usable row, of the last row, and total time without usable rows
   double usable_ = 0.0, last_row_time_ = 0.0, blind_ = 0.0;
   bool has_row_ = false, is_blind_ = false;
-  double placed_ = HUGE_VAL;  // [s] time of the last row that came to place()
+  double placed_ = HUGE_VAL;  // [s] time of the last row that came to queue()
   long back_ = 0;  // rows in a row whose time does not rise above the last one's
   double back_first_ = 0.0, back_last_ = 0.0;  // [s] between which their times rise
   VectorXd path_;  // (n) integrated velocity [rad], [m] until path_time_ [s]

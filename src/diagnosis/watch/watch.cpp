@@ -71,7 +71,7 @@ class Watch::Implementation {
       now_ = step->time;
       finder_.add(*step, state_);
       state_.time = clock().recorded_time(now_);
-      if (told_) told_(state_);
+      if (on_step_) on_step_(state_);
     };
     rows_.on_break = [this] { hypotheses_.restart(); };
     rows_.on_blind = [this](const watching::Blindness& b) {
@@ -84,13 +84,13 @@ class Watch::Implementation {
       state_.set_back += clock().factor * b.set_back;
       state_.alarmed = false;
     };
-    rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.jump(jump, now_); };
+    rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.add_jump(jump, now_); };
   }
 
   void learn(const Recording& quiet) {
-    const std::vector<Step> all = steps_of(quiet, judge(quiet));
+    const std::vector<Step> all = steps_of(quiet, judged_signals(quiet));
     require(static_cast<double>(all.size()) * options_.step > numbers_.middle_memory, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
-    finder_.learn(all);
+    finder_.learn_quiet_steps(all);
   }
 
   std::vector<WatchEvent> add(const Recording& rows) {
@@ -141,12 +141,12 @@ class Watch::Implementation {
     if (!finder_.learning()) rows_.enable_jump_detection();
   }
 
-  // Decides once which velocities and which clock are used, before the noise is learned.
+  // Decides once, before the noise is learned, which velocities and which clock are used.
   void assess_signals() {
     if (judged_) return;
     judged_ = true;
     if (unassessed_.rows() > 0) {
-      signals_ = judge(unassessed_);
+      signals_ = judged_signals(unassessed_);
       rows_.set_clock(clock());
       watch(unassessed_);
     }
@@ -155,7 +155,7 @@ class Watch::Implementation {
 
   const watching::RowClock& clock() const { return signals_.clock; }
 
-  Signals judge(const Recording& rows) const {
+  Signals judged_signals(const Recording& rows) const {
     Signals out;
     if (rows.rows() == 0) return out;
     const RecordingQuality quality = check_recording(rows);
@@ -208,7 +208,7 @@ class Watch::Implementation {
   ChangeFinder finder_;
   WatchState state_;
   std::vector<WatchEvent> events_;
-  std::function<void(const WatchState&)> told_;
+  std::function<void(const WatchState&)> on_step_;
   double now_ = 0.0;
 };
 
@@ -223,7 +223,7 @@ void Watch::learn(const Recording& quiet) { own_->learn(quiet); }
 std::vector<WatchEvent> Watch::add(const Recording& rows) { return own_->add(rows); }
 std::vector<WatchEvent> Watch::finish() { return own_->finish(); }
 const WatchState& Watch::state() const { return own_->state_; }
-void Watch::on_step(std::function<void(const WatchState&)> call) { own_->told_ = std::move(call); }
+void Watch::on_step(std::function<void(const WatchState&)> call) { own_->on_step_ = std::move(call); }
 const Model& Watch::arm() const { return own_->arm_; }
 const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
 const std::vector<std::string>& Watch::remarks() const { return own_->signals_.remarks; }
