@@ -13,17 +13,17 @@ namespace {
 constexpr double kFadesBelow = 0.1;  // share of the energy tank below which compensation fades out
 constexpr double kFar = 1e3;         // [rad], [m] displacement that shears every memory fully
 
-double pick(const Deadband& deadband, bool prismatic) {
+double deadband_of(const Deadband& deadband, bool prismatic) {
   return prismatic ? deadband.prismatic : deadband.revolute;
 }
 
-double along(const std::vector<JointCoefficient>& axis, const VectorXd& x) {
+double dot_product(const std::vector<JointCoefficient>& axis, const VectorXd& x) {
   double sum = 0.0;
   for (const JointCoefficient& c : axis) sum += c.coefficient * x[c.coordinate];
   return sum;
 }
 
-double weighted(const BoundEffect& term, const EffectColumns& row) {
+double force_of_term(const BoundEffect& term, const EffectColumns& row) {
   double sum = 0.0;
   for (int p = 0; p < term.parameter_count(); ++p)
     sum += row[p] * term.values()[p];
@@ -55,9 +55,9 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
       axis.offset = term.axis.offset;
       axis.squared = axis.c.squaredNorm();
       axis.prismatic = is_prismatic(arm, term.axis);
-      axis.velocity_deadband = pick(options.velocity, axis.prismatic);
-      axis.position_deadband = pick(options.position, axis.prismatic);
-      axis.tank_capacity = pick(options.tank_capacity, axis.prismatic);
+      axis.velocity_deadband = deadband_of(options.velocity, axis.prismatic);
+      axis.position_deadband = deadband_of(options.position, axis.prismatic);
+      axis.tank_capacity = deadband_of(options.tank_capacity, axis.prismatic);
       known = axes_.insert(axes_.end(), std::move(axis));
     }
     const EffectTraits& traits = bound.traits();
@@ -99,7 +99,7 @@ double FrictionCompensation::sliding(const Axis& axis, double direction, double 
     }
     x.s = axis.s;
     term.effect().columns(x, term.shape(), state, row);
-    sum += weighted(term, row);
+    sum += force_of_term(term, row);
   }
   return sum;
 }
@@ -145,7 +145,7 @@ double FrictionCompensation::memory_force(Axis& axis, double will, double speed,
     const bool memory = term.traits().memory;
     x.ds = memory ? v : direction * std::max(speed, 1.001 * kRestSpeed);
     term.columns(x, row);
-    sum += (memory ? 1.0 : std::abs(will)) * weighted(term, row);
+    sum += (memory ? 1.0 : std::abs(will)) * force_of_term(term, row);
   }
   return sum;
 }
@@ -178,8 +178,8 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
 
 void FrictionCompensation::set_axis_states(const ArmState& arm) noexcept {
   for (Axis& axis : axes_) {
-    axis.s = axis.offset + along(axis.along, arm.q());
-    if (axis.loaded) axis.load = along(axis.along, arm.rigid_bias()) / axis.squared;
+    axis.s = axis.offset + dot_product(axis.along, arm.q());
+    if (axis.loaded) axis.load = dot_product(axis.along, arm.rigid_bias()) / axis.squared;
   }
 }
 
@@ -192,9 +192,9 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
     return tau_;
   set_axis_states(arm);
   for (Axis& axis : axes_) {
-    const double v = along(axis.along, arm.dq());
-    const double v_wanted = along(axis.along, dq_wanted);
-    const double e = along(axis.along, error);
+    const double v = dot_product(axis.along, arm.dq());
+    const double v_wanted = dot_product(axis.along, dq_wanted);
+    const double e = dot_product(axis.along, error);
     supervise(axis, v_wanted, dt);
     const double force = total_force(axis, v, v_wanted, e);
     axis.force = options_.share * axis.scale * std::min(1.0, tank_level(axis) / kFadesBelow) * force;

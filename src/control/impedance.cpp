@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-bool sound(const ImpedanceGains& gains) {
+bool are_valid(const ImpedanceGains& gains) {
   return gains.mass.allFinite() && gains.damping.allFinite() && gains.stiffness.allFinite() &&
          gains.mass.minCoeff() > 0.0 && gains.damping.minCoeff() >= 0.0 &&
          gains.stiffness.minCoeff() >= 0.0;
@@ -27,7 +27,7 @@ Impedance::Impedance(const Model& arm, const Tip& tip, const ImpedanceGains& gai
       error_(y0_),
       velocity_(y0_),
       none_(y0_) {
-  require(sound(gains),
+  require(are_valid(gains),
           "Impedance: found gains that are not finite, or a damping or stiffness below zero, or a "
           "mass that is not above it.");
   require(options.posture.size() == 0 ||
@@ -40,7 +40,7 @@ Impedance::Impedance(const Model& arm, const Tip& tip, const ImpedanceGains& gai
 }
 
 bool Impedance::set_gains(const ImpedanceGains& gains) noexcept {
-  if (!sound(gains)) return false;
+  if (!are_valid(gains)) return false;
   gains_ = gains;
   return true;
 }

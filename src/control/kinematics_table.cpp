@@ -83,6 +83,7 @@ class Rows {
   KinematicTable table_;
 };
 
+// Halton's sequence in a prime base: numbers between 0 and 1 that fill this range evenly.
 double halton(int index, int base) {
   double out = 0.0, part = 1.0;
   for (int k = index; k > 0; k /= base) {

@@ -37,7 +37,7 @@ struct KinematicTable {
   std::vector<Limits> limits;  ///< limits of the robot file
   bool has_time = false, has_orientation = true;
   std::vector<KinematicRow> rows;
-  int unreached() const;
+  int unreached() const;  ///< number of rows whose pose was not reached
   /// The joints that are outside of their limits in some row, each with the first such value and its limits;
   /// empty if there are none.
   std::string outside_words() const;

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-FrictionOptions whole_friction() {
+FrictionOptions full_friction_options() {
   FrictionOptions options;
   options.rule = FrictionRule::kMeasured;
   options.share = 1.0;
@@ -39,7 +39,7 @@ MomentumObserver::MomentumObserver(const Model& arm, const Tip& tip,
                                    const MomentumObserverOptions& options)
     : options_(options),
       dynamics_(arm, control_parameters(arm, "MomentumObserver")),
-      friction_(arm, whole_friction()),
+      friction_(arm, full_friction_options()),
       uncertainty_(arm, options.uncertainty),
       inverse_(arm, tip, TaskRows::kPosition, options.inverse),
       frames_(first_frames(arm)),

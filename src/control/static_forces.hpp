@@ -16,7 +16,7 @@ enum class ControlPart {
   kLeftOut    ///< depends on the time since the start of a recording, or on measured motion only
 };
 
-ControlPart control_part(const EffectTraits& traits);
+ControlPart control_part(const EffectTraits& traits);  ///< the part of a control law that an effect belongs to
 
 /// The effects of a model that are neither friction nor inertia. @throws InvalidInput  one has no
 /// values.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "Lxx",
                                                   "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
-int inertial_column(const Model& arm, const std::string& name) {
+int inertial_parameter_index(const Model& arm, const std::string& name) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
     const std::string& frame = arm.frames()[arm.bodies()[b]].name;
     for (size_t k = 0; k < kSymbols.size(); ++k) {
@@ -76,7 +76,7 @@ void TorqueUncertainty::read_identified(const Model& arm) {
   std::vector<const IdentifiedParameter*> inertial;
   Eigen::Index factors = 0;
   for (const IdentifiedParameter& p : base.parameters) {
-    const int column = inertial_column(arm, p.name);
+    const int column = inertial_parameter_index(arm, p.name);
     if (column < 0 || p.scatter.size() == 0) continue;
     inertial.push_back(&p);
     column_.push_back(column);

@@ -9,14 +9,14 @@
 namespace veridyn {
 namespace {
 
-bool same(const Axis& a, const Axis& b) {
+bool are_equal_axes(const Axis& a, const Axis& b) {
   return a.coefficients == b.coefficients && a.offset == b.offset;
 }
 
 bool same_place(const EffectTerm& a, const EffectTerm& b) {
-  if (a.effect != b.effect || !same(a.axis, b.axis) || a.from.has_value() != b.from.has_value())
+  if (a.effect != b.effect || !are_equal_axes(a.axis, b.axis) || a.from.has_value() != b.from.has_value())
     return false;
-  return !a.from || same(*a.from, *b.from);
+  return !a.from || are_equal_axes(*a.from, *b.from);
 }
 
 // The text ", distance 0.005" if the arm also has the effect on this axis with other constants; else empty.

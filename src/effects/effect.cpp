@@ -12,12 +12,13 @@ const std::vector<double>& usual_lengths() {
   return kShares;
 }
 
+// Shares of the largest speed.
 const std::vector<double>& usual_speeds() {
   static const std::vector<double> kShares = {0.02, 0.06, 0.2};
   return kShares;
 }
 
-std::vector<double> scaled(std::vector<double> shares, double by) {
+std::vector<double> scaled_by(std::vector<double> shares, double by) {
   for (double& share : shares) share *= by;
   return shares;
 }
@@ -33,8 +34,8 @@ std::vector<double> spread(const EffectShape& shape) {
 }
 
 std::vector<double> scaled_choices(const EffectShape& shape, const AxisMotion& motion) {
-  if (shape.unit_revolute == "rad") return scaled(usual_lengths(), motion.travel);
-  if (shape.unit_revolute == "rad/s") return scaled(usual_speeds(), motion.speed);
+  if (shape.unit_revolute == "rad") return scaled_by(usual_lengths(), motion.travel);
+  if (shape.unit_revolute == "rad/s") return scaled_by(usual_speeds(), motion.speed);
   return spread(shape);
 }
 
@@ -48,12 +49,12 @@ std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisM
     case ShapeScale::kAbsolute:
       return shape.grid;
     case ShapeScale::kTravel:
-      return scaled(shape.grid, motion.travel);
+      return scaled_by(shape.grid, motion.travel);
     case ShapeScale::kSpeed:
-      return scaled(shape.grid, motion.speed);
+      return scaled_by(shape.grid, motion.speed);
     case ShapeScale::kDuration: {
       if (motion.duration <= 0.0) return {{shape.initial_value(motion.type)}};
-      std::vector<double> out = scaled(shape.grid, motion.duration);
+      std::vector<double> out = scaled_by(shape.grid, motion.duration);
       for (double& value : out) value = std::max(value, shape.lower);
       return out;
     }

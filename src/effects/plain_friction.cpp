@@ -15,7 +15,7 @@ bool has_no_friction(const Model& arm) {
 
 namespace {
 
-void add_to(ModelDescription& d, const std::string& effect, int joint) {
+void add_effect_to_joint(ModelDescription& d, const std::string& effect, int joint) {
   const VectorXd axis = VectorXd::Unit(static_cast<Eigen::Index>(d.coordinates.size()), joint);
   const bool known = std::any_of(d.effects.begin(), d.effects.end(), [&](const auto& term) {
     return term.effect == effect && term.axis.coefficients == axis;
@@ -33,7 +33,7 @@ Model with_plain_friction(const Model& arm) {
   ModelDescription d = arm.description();
   for (int i = 0; i < arm.joints(); ++i) {
     for (const AxisEffect* effect : axis_effects()) {
-      if (effect->traits().elementary) add_to(d, effect->name(), i);
+      if (effect->traits().elementary) add_effect_to_joint(d, effect->name(), i);
     }
   }
   return Model(std::move(d));
@@ -41,7 +41,7 @@ Model with_plain_friction(const Model& arm) {
 
 Model with_effect_of_all_joints(const Model& arm, const std::string& effect) {
   ModelDescription d = arm.description();
-  for (int i = 0; i < arm.joints(); ++i) add_to(d, effect, i);
+  for (int i = 0; i < arm.joints(); ++i) add_effect_to_joint(d, effect, i);
   return Model(std::move(d));
 }
 

@@ -17,7 +17,7 @@ EffectTraits traits_of_friction() {
   return t;
 }
 
-EffectShape centre() {
+EffectShape centre_shape() {
   EffectShape out{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
   out.scale = ShapeScale::kMiddle;
   return out;
@@ -56,7 +56,7 @@ class PositionDependentFriction final : public DescribedEffectInC {
 /// position".
 const Effect& position_dependent_friction() {
   static const PositionDependentFriction kEffect({"position_dependent_friction", {{"slope", "N m/rad", "N/m"}, {"curvature", "N m/rad^2", "N/m^2"}},
-      {centre(), {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}}, traits_of_friction(),
+      {centre_shape(), {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}}, traits_of_friction(),
       [](const AxisSample& x, const ShapeValues& shape, EffectState& state, EffectColumns& row) noexcept {
         set_columns(friction_direction(x, shape[1], state), x.s - shape[0], row);
       },
@@ -69,7 +69,7 @@ const Effect& position_dependent_friction() {
 /// while one joint moves alone.
 const Effect& position_dependent_viscosity() {
   static const DescribedEffectInC kEffect({"position_dependent_viscosity", {{"slope", "N m s/rad^2", "N s/m^2"}, {"curvature", "N m s/rad^3", "N s/m^3"}},
-      {centre()}, traits_of_friction(),
+      {centre_shape()}, traits_of_friction(),
       [](const AxisSample& x, const ShapeValues& shape, EffectState&, EffectColumns& row) noexcept { set_columns(x.ds, x.s - shape[0], row); },
       "viscous friction that changes with position, by % and % from #"},
       {"ds * (s - #0)", "ds * (s - #0) * (s - #0)"});

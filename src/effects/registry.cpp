@@ -63,13 +63,13 @@ const Kind* find(const std::vector<const Kind*>& effects, const std::string& nam
 }
 
 template <typename Kind>
-std::vector<std::string> names(const std::vector<const Kind*>& effects) {
+std::vector<std::string> names_of_effects(const std::vector<const Kind*>& effects) {
   std::vector<std::string> out;
   for (const Kind* effect : effects) out.push_back(effect->name());
   return out;
 }
 
-bool is_key(const std::string& name) {
+bool is_key_of_terms(const std::string& name) {
   for (const std::string& key : effect_keys()) {
     if (key == name) return true;
   }
@@ -95,10 +95,10 @@ void check(const Effect& effect) {
   require(shapes.size() <= size_t{kMaxEffectShapes}, "register_effect: '", name, "' has ",
           shapes.size(), " shape constants, expected at most ", kMaxEffectShapes, ".");
   for (const EffectParameter& p : parameters)
-    require(!is_key(p.name) || has_offset_parameter(name) || p.name == "offset",
+    require(!is_key_of_terms(p.name) || has_offset_parameter(name) || p.name == "offset",
             "register_effect: '", name, "': '", p.name, "' is a key of robot files.");
   for (const EffectShape& s : shapes) {
-    require(!is_key(s.name), "register_effect: '", name, "': '", s.name,
+    require(!is_key_of_terms(s.name), "register_effect: '", name, "': '", s.name,
             "' is a key of robot files.");
     require(!s.searched || (s.lower < s.upper && s.lower > 0.0), "register_effect: '", name,
             "': ", s.name, " is searched from ", s.lower, " to ", s.upper,
@@ -140,14 +140,14 @@ const ChannelEffect* channel_effect(const std::string& name) {
 
 const Effect& find_effect(const std::string& name) {
   if (const Effect* effect = find(all_effects(), name)) return *effect;
-  const std::vector<std::string> known = names(all_effects());
+  const std::vector<std::string> known = names_of_effects(all_effects());
   throw InvalidInput(text("found the unknown effect '", name, "'", did_you_mean(name, known),
                           ", expected one of: ", listed(known), "."));
 }
 
 const AxisEffect& find_axis_effect(const std::string& name) {
   if (const AxisEffect* effect = find(axis_effects(), name)) return *effect;
-  const std::vector<std::string> known = names(axis_effects());
+  const std::vector<std::string> known = names_of_effects(axis_effects());
   throw InvalidInput(text("effect '", name, "' cannot act along an axis of a model",
                           did_you_mean(name, known), "; these can: ", listed(known), "."));
 }

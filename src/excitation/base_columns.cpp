@@ -20,7 +20,7 @@ constexpr double kAlike = 0.2;         // share of a new column that the replace
 constexpr double kNothing = 1e-9;      // a column below this share of the largest is zero
 constexpr int kMaxSwaps = 50;
 
-MatrixXd part_of(const MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& cols) {
+MatrixXd submatrix(const MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& cols) {
   return gram(rows, cols);
 }
 
@@ -60,12 +60,12 @@ std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd
   const VectorXd inverse = norms.cwiseMax(smallest).cwiseInverse();
   gram = inverse.asDiagonal() * gram * inverse.asDiagonal();
   std::vector<int> best = base;
-  double least = plain_condition_number(part_of(gram, best, best));
+  double least = plain_condition_number(submatrix(gram, best, best));
   for (int swaps = 0; swaps < kMaxSwaps && std::isfinite(least) && !others.empty(); ++swaps) {
     // Share of each old column in each new one. A swap with a share of zero would make a parameter
     // unidentifiable.
     const MatrixXd share =
-        part_of(gram, best, best).llt().solve(part_of(gram, best, others)).cwiseAbs();
+        submatrix(gram, best, best).llt().solve(submatrix(gram, best, others)).cwiseAbs();
     double reached = kWorthwhile * least;
     std::pair<size_t, size_t> swap{best.size(), 0};
     for (size_t o = 0; o < best.size(); ++o) {
@@ -73,7 +73,7 @@ std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd
         if (share(static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(n)) < kAlike) continue;
         std::vector<int> next = best;
         next[o] = others[n];
-        const double condition = plain_condition_number(part_of(gram, next, next));
+        const double condition = plain_condition_number(submatrix(gram, next, next));
         if (condition < reached) {
           reached = condition;
           swap = {o, n};

@@ -108,7 +108,7 @@ std::vector<int> reported_base(const Model& arm) {
   return free.empty() ? base_parameters(arm).independent : free;
 }
 
-bool same_parameters(const Model& a, const Model& b) {
+bool have_same_parameters(const Model& a, const Model& b) {
   return parameter_names(standard_parameters(a)) == parameter_names(standard_parameters(b));
 }
 
@@ -172,7 +172,7 @@ class Design {
   double cost(const Asked& asked, const VectorXd& x) const {
     return x.size() > 0 ? asked.question.cost(samples(x)) : kInfinity;
   }
-  std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
+  std::vector<int> best_base_columns(const std::vector<int>& base, const VectorXd& x) const;  ///< of the given size, for the motion x; `base` if the criterion does not depend on it
   // The best motion of one start, with suitable base columns; x is empty if no motion is within the limits.
   struct Candidate {
     std::shared_ptr<const Asked> asked;
@@ -180,9 +180,9 @@ class Design {
     double cost = kInfinity;
   };
   Candidate polished_with_base_choice(Candidate best, int start, Found& found) const;
-  Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
+  Candidate search_from_start(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;  ///< end of one start; sets found
   Candidate widen_joint_ranges(Candidate best, Found& found) const;
-  double share_of_range(const VectorXd& x, int joint) const;
+  double share_of_range(const VectorXd& x, int joint) const;  ///< range in x over the range of the limits
   // True for the criteria that need every joint to use its range.
   bool uses_whole_range() const {
     return options_.solver != ExcitationSolver::kRandom &&
@@ -194,8 +194,8 @@ class Design {
     }
     return true;
   }
-  VectorXd numbers_of(const Candidate& end, const Found& found) const;
-  std::optional<Candidate> from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
+  VectorXd end_as_numbers(const Candidate& end, const Found& found) const;
+  std::optional<Candidate> end_from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers, Found& found) const;
   void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -209,7 +209,7 @@ class Design {
   mutable SearchProgress progress_;  // has its own lock
 };
 
-std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {
+std::vector<int> Design::best_base_columns(const std::vector<int>& base, const VectorXd& x) const {
   if (!depends_on_base_choice() || x.size() == 0) return base;
   MatrixXd gram = gram_of_all_columns(arm_, samples(x));
   for (const MotionSamples& before : options_.given) {
@@ -223,7 +223,7 @@ std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorX
 Design::Candidate Design::polished_with_base_choice(Candidate best, int start, Found& found) const {
   best.cost = cost(*best.asked, best.x);
   for (int round = 0; round < kRounds && best.x.size() > 0 && !stopped(); ++round) {
-    const std::vector<int> columns = best_choice(best.asked->exact.base(), best.x);
+    const std::vector<int> columns = best_base_columns(best.asked->exact.base(), best.x);
     const bool same = columns == best.asked->exact.base();
     if (!same) {
       best.asked = std::make_shared<Asked>(arm_, columns, options_, seconds());
@@ -242,7 +242,7 @@ Design::Candidate Design::polished_with_base_choice(Candidate best, int start, F
   return best;
 }
 
-Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int start,
+Design::Candidate Design::search_from_start(const std::shared_ptr<const Asked>& asked, int start,
                                  Found& found) const {
   found = MotionSearch(space_, signals_, asked->question, options_, solver_, progress_).run(start);
   Candidate best{asked};
@@ -288,7 +288,7 @@ Design::Candidate Design::widen_joint_ranges(Candidate best, Found& found) const
 
 // A finished start as a vector of numbers: its cost, convergence and evaluations, then lists with their
 // lengths.
-VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
+VectorXd Design::end_as_numbers(const Candidate& end, const Found& found) const {
   std::vector<double> out = {end.cost, found.converged ? 1.0 : 0.0, static_cast<double>(found.evaluations)};
   const auto append = [&out](const auto& list) {
     out.push_back(static_cast<double>(list.size()));
@@ -301,8 +301,8 @@ VectorXd Design::numbers_of(const Candidate& end, const Found& found) const {
   return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
 }
 
-// The inverse of numbers_of(); nullopt if the numbers do not belong to this search.
-std::optional<Design::Candidate> Design::from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers,
+// The inverse of end_as_numbers(); nullopt if the numbers do not belong to this search.
+std::optional<Design::Candidate> Design::end_from_numbers(const std::shared_ptr<const Asked>& asked, const VectorXd& numbers,
                                                       Found& found) const {
   Eigen::Index at = 3;
   bool fits = true;
@@ -361,7 +361,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
       log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
   const bool part = options_.essential > 0.0;
   const bool own = !part && options_.criterion != ExcitationCriterion::kAOptimal;
-  const BaseRegressor whole(arm_, own ? asked.exact.base() : best_choice(all.base(), best.x));
+  const BaseRegressor whole(arm_, own ? asked.exact.base() : best_base_columns(all.base(), best.x));
   evaluate_motion(arm_, whole, motion, samples(random), options_, out);
   const double share = part ? options_.essential : kUsualShare;
   const EssentialColumns essential = essential_columns(arm_, share);
@@ -373,7 +373,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   if (known) {
     out.prediction =
         predict_identification(*known, out.motion, options_.noise.value_or(expected_noise(*known, out.motion)),
-                               options_.given, same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
+                               options_.given, have_same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
     out.discrimination = evaluate_discrimination(asked.question, asked.question.exact_gram(motion));
@@ -399,14 +399,14 @@ Excitation Design::run() {
   parallel_for(options_.starts, options_.threads, [&](int start) {
     const auto own = static_cast<size_t>(start);
     const auto kept = options_.kept ? options_.kept(start) : std::nullopt;
-    if (auto end = kept ? from_numbers(asked, *kept, found[own]) : std::nullopt) {
+    if (auto end = kept ? end_from_numbers(asked, *kept, found[own]) : std::nullopt) {
       ends[own] = std::move(*end);
       progress_.report_ended_search(start);
       return;
     }
     if (start > 0 && stopped()) return;
-    ends[own] = search(asked, start, found[own]);
-    if (options_.keep && !stopped()) options_.keep(start, numbers_of(ends[own], found[own]));
+    ends[own] = search_from_start(asked, start, found[own]);
+    if (options_.keep && !stopped()) options_.keep(start, end_as_numbers(ends[own], found[own]));
   });
   if (options_.progress) options_.progress("searching", 1.0);
   const auto rank = [](const Candidate& c) { return std::make_pair(c.x.size() == 0, c.cost); };

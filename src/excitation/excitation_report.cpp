@@ -85,7 +85,7 @@ std::string percent(double share) {
   return std::isfinite(share) ? fmt::format("{:.0f} %", 100.0 * share) : "-";
 }
 
-std::string used_text(const Excitation& e) {
+std::string limit_use_text(const Excitation& e) {
   std::string out =
       fmt::format("{:<28}{:>10}{:>10}{:>10}   used of its limits{}\n", "joint", "range", "speed",
                   "torque",
@@ -168,7 +168,7 @@ std::string Excitation::report() const {
   out += fmt::format("{}{}, {} evaluations, {:.1f} s.\n",
                      interrupted ? "Interrupted; the best so far. " : "", name_of(solver),
                      evaluations, seconds);
-  out += used_text(*this);
+  out += limit_use_text(*this);
   out += fmt::format("{:<28}{:>8} {:>21} {:>21} {:>10}\n", "limit", "unit", "motion", "limit",
                      "margin");
   std::vector<LimitMargin> gaps;

@@ -29,7 +29,7 @@ double distance_of(const Part& p) {
   return 0.5 * (p.from + p.to) * p.seconds;
 }
 
-Point at(const std::vector<Part>& parts, double t) {
+Point point_at(const std::vector<Part>& parts, double t) {
   Point out;
   for (const Part& p : parts) {
     if (t > p.seconds) {
@@ -55,7 +55,7 @@ std::vector<Part> pass(double v, double hold, double ramp) {
           {v, v, back}, {v, -v, turn}, {-v, -v, hold}, {-v, 0, ramp}};
 }
 
-MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eigen::Index joint,
+MotionSamples sampled_motion(const std::vector<Part>& parts, const VectorXd& rest, Eigen::Index joint,
                       double rate) {
   double seconds = 0.0;
   for (const Part& p : parts) seconds += p.seconds;
@@ -65,7 +65,7 @@ MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eige
                     rest.transpose().replicate(last + 1, 1), still, still};
   for (Eigen::Index k = 0; k <= last; ++k) {
     if (out.time[k] >= seconds) continue;  // the joint rests again
-    const Point p = at(parts, out.time[k]);
+    const Point p = point_at(parts, out.time[k]);
     out.q(k, joint) += p.q;
     out.dq(k, joint) = p.dq;
     out.ddq(k, joint) = p.ddq;
@@ -101,7 +101,7 @@ MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest,
       for (int halving = 0; halving <= kHalvings; ++halving, room *= 0.5) {
         const std::vector<Part> parts = longest_pass(speed, room, limits.acceleration[i]);
         if (parts.empty()) break;
-        const MotionSamples one = sampled(parts, rest, i, rate);
+        const MotionSamples one = sampled_motion(parts, rest, i, rate);
         if (!keeps(one)) continue;
         out = joined(out, one);
         break;

@@ -52,7 +52,7 @@ std::string error_hint(const mu::Parser::exception_type& error, const Constants&
   return did_you_mean(error.GetToken(), names);
 }
 
-std::string why(const mu::Parser::exception_type& error) {
+std::string reason_of(const mu::Parser::exception_type& error) {
   if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) return error.GetMsg();
   return "'" + error.GetToken() + "' is neither a number nor a constant";
 }
@@ -65,7 +65,7 @@ double evaluated(const std::string& expression, const Constants& constants) {
             "' (several values, separated by commas)");
     return value;
   } catch (const mu::Parser::exception_type& error) {
-    throw InvalidInput(text("'", excerpt(expression), "' (", excerpt(why(error), 200), ")", error_hint(error, constants)));
+    throw InvalidInput(text("'", excerpt(expression), "' (", excerpt(reason_of(error), 200), ")", error_hint(error, constants)));
   }
 }
 

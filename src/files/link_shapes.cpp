@@ -112,11 +112,13 @@ bool read_geometry(const pugi::xml_node& geometry, const std::string& urdf, Link
 struct Fitted {
   Eigen::Vector3d from{0, 0, 0}, to{0, 0, 0};
   double radius = 0.0;
+  // [m^3] of the capsule.
   double volume() const {
     return M_PI * radius * radius * ((to - from).norm() + 4.0 / 3.0 * radius);
   }
 };
 
+// A capsule about the points with its axis along a unit vector: of several radii, the one with the least volume.
 Fitted capsule_along(const Points& points, const Eigen::Vector3d& along) {
   const Eigen::Vector3d u = along.unitOrthogonal();
   const Eigen::Vector3d v = along.cross(u);
@@ -165,7 +167,7 @@ Fitted capsule_of(const Points& points) {
   return best;
 }
 
-Points corners_of(const Points& points, const std::vector<std::array<int, 3>>& triangles) {
+Points used_points(const Points& points, const std::vector<std::array<int, 3>>& triangles) {
   std::vector<char> used(points.size(), 0);
   for (const auto& t : triangles)
     for (const int c : t) used[c] = 1;
@@ -177,7 +179,7 @@ Points corners_of(const Points& points, const std::vector<std::array<int, 3>>& t
 
 // Every triangle belongs to one part. The part's capsule contains all of the triangle, since it is convex.
 std::vector<Fitted> capsules_of(const Points& points, const std::vector<std::array<int, 3>>& triangles, int halvings) {
-  const Fitted whole = capsule_of(corners_of(points, triangles));
+  const Fitted whole = capsule_of(used_points(points, triangles));
   if (halvings == 0 || triangles.size() < 2) return {whole};
   const Eigen::Vector3d along = whole.to - whole.from;
   std::vector<double> at;

@@ -26,7 +26,8 @@ class MeshPoints {
  public:
   MeshPoints(const std::string& path, Mesh& mesh) : path_(path), mesh_(mesh) {}
 
-  int index(const Eigen::Vector3d& p) {
+  // Index of a point in the mesh, which gets it if it is new.
+  int index_of(const Eigen::Vector3d& p) {
     require_finite(path_, p);
     const auto [at, is_new] = known_.try_emplace({p.x(), p.y(), p.z()}, static_cast<int>(mesh_.points.size()));
     if (is_new) mesh_.points.push_back(p);
@@ -47,7 +48,7 @@ Mesh read_binary_stl(const std::string& path, const std::string& bytes, std::siz
     for (std::size_t c = 0; c < 3; ++c) {
       float xyz[3];
       std::memcpy(xyz, bytes.data() + kStlHeader + k * kStlTriangle + 12 * (c + 1), sizeof xyz);
-      corners[c] = points.index({xyz[0], xyz[1], xyz[2]});
+      corners[c] = points.index_of({xyz[0], xyz[1], xyz[2]});
     }
     out.triangles.push_back(corners);
   }
@@ -63,7 +64,7 @@ Mesh read_text_stl(const std::string& path, const std::string& content) {
     if (word != "vertex") continue;
     Eigen::Vector3d p;
     require(bool(words >> p.x() >> p.y() >> p.z()), path, ": found a vertex without three numbers.");
-    corners.push_back(points.index(p));
+    corners.push_back(points.index_of(p));
   }
   require(corners.size() % 3 == 0, path, ": found ", corners.size(), " vertices, expected three a triangle.");
   for (std::size_t k = 0; k < corners.size(); k += 3)

@@ -30,6 +30,7 @@ MatrixXd scaled(const MatrixXd& R, VectorXd& norms) {
   return out;
 }
 
+// @param gap  output: last kept over first dropped singular value.
 int rank_of(const VectorXd& singular_values, double tolerance, double& gap) {
   int rank = 0;
   while (rank < singular_values.size() && singular_values[rank] > tolerance * singular_values[0])

@@ -20,7 +20,7 @@ std::vector<std::string> independent_columns(const BaseParameters& base,
   return out;
 }
 
-double condition(const MatrixXd& A) {
+double condition_number(const MatrixXd& A) {
   const VectorXd s = singular_values(A);
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
 }
@@ -61,11 +61,11 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   BaseSolution out;
   out.beta = least_squares(total);
   out.residual2 = total.residual2(out.beta);
-  out.condition_number = condition(total.R());
+  out.condition_number = condition_number(total.R());
   MatrixXd scaled = total.R();
   for (Eigen::Index j = 0; j < scaled.cols(); ++j)
     scaled.col(j) /= std::max(scaled.col(j).norm(), 1e-300);
-  out.condition_number_scaled = condition(scaled);
+  out.condition_number_scaled = condition_number(scaled);
   const double freedom = std::max(1.0, total.rows() - total.size());
   const MatrixXd inverse =
       total.R().triangularView<Eigen::Upper>().solve(MatrixXd::Identity(total.size(), total.size()));

@@ -45,7 +45,7 @@ class Blocks {
 
   // Absorbs rows of some joints, beginning with joint `first`. Factors of different joints are independent,
   // so that threads may process them in parallel.
-  void absorb(const std::vector<JointRows>& rows, int first, int threads) {
+  void add_rows(const std::vector<JointRows>& rows, int first, int threads) {
     size_t last = 0;
     for (const JointRows& joint : rows) {
       for (Eigen::Index k = 0; k < joint.time.size(); ++k) {
@@ -58,7 +58,7 @@ class Blocks {
     }
     while (blocks_.size() < last) blocks_.push_back(none_);
     parallel_for(static_cast<int>(rows.size()), threads, [&](int i) {
-      absorb(static_cast<size_t>(first + i), rows[i]);
+      add_rows(static_cast<size_t>(first + i), rows[i]);
     });
   }
 
@@ -72,13 +72,14 @@ class Blocks {
   }
 
  private:
+  // Block of a time [s]: the phase of a periodic motion, else an interval of duration_.
   size_t block_of(double time) const {
     if (period_ <= 0.0) return static_cast<size_t>(time / duration_);
     const double turns = time / period_;
     return static_cast<size_t>(phases_ * (turns - std::floor(turns)));
   }
 
-  void absorb(size_t joint, const JointRows& rows) {
+  void add_rows(size_t joint, const JointRows& rows) {
     Eigen::Index at = 0;
     while (at < rows.time.size()) {
       const size_t block = block_of(rows.time[at]);
@@ -126,7 +127,7 @@ void absorb_all(const RegressorColumns& columns, const Segment& s, int threads, 
     std::vector<JointRows> rows;
     for (std::vector<JointRows>& group : of_group)
       std::move(group.begin(), group.end(), std::back_inserter(rows));
-    blocks.absorb(rows, groups[at].first, threads);
+    blocks.add_rows(rows, groups[at].first, threads);
   }
 }
 
@@ -238,6 +239,7 @@ class ThinnedPositions {
   std::vector<Eigen::RowVectorXd> q_;
 };
 
+// The positions of the first `period_time` seconds, thinned out.
 Recording first_positions(const Model& arm, const std::string& path,
                           const PreprocessingOptions& options) {
   const OpenedRows rows = open_rows(path, recording_options_for(arm, options), options.kept.get());
@@ -290,9 +292,9 @@ class SeriesCollector {
     }
     if (series_->time.size() < 2 * static_cast<size_t>(series_->wanted)) return;
     stride_ *= 2;
-    halve(series_->time);
+    drop_every_second(series_->time);
     for (auto* table : tables()) {
-      for (std::vector<double>& column : *table) halve(column);
+      for (std::vector<double>& column : *table) drop_every_second(column);
     }
   }
 
@@ -312,7 +314,7 @@ class SeriesCollector {
     return {&series_->q, &series_->dq, &series_->ddq, &series_->measured, &series_->modelled};
   }
 
-  static void halve(std::vector<double>& column) {
+  static void drop_every_second(std::vector<double>& column) {
     for (size_t k = 0; 2 * k < column.size(); ++k) column[k] = column[2 * k];
     column.resize((column.size() + 1) / 2);
   }

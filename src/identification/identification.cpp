@@ -99,7 +99,7 @@ VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta,
   return scale.asDiagonal() * least_norm(A, beta);
 }
 
-bool all_bodies_possible(const Model& arm, const VectorXd& parameters) {
+bool are_all_bodies_possible(const Model& arm, const VectorXd& parameters) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
     const InertialParameters phi =
         parameters.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
@@ -190,7 +190,7 @@ void set_solution(const Model& arm, const std::vector<CompressedRecording>& reco
                    const BaseSolution& solution, const VectorXd& beta, Identification& id) {
   const auto parameters = standard_parameters(arm);
   restore_fixed_parameters(parameters, id.parameters);
-  id.feasible = all_bodies_possible(arm, id.parameters);
+  id.feasible = are_all_bodies_possible(arm, id.parameters);
   set_base_values(arm, base, beta, solution.std, id);
   ModelDescription description =
       with_values(arm, id.parameters, id.parameter_deviations).description();
@@ -255,6 +255,7 @@ void drop_other_columns(const Model& arm, std::vector<CompressedRecording>& reco
   }
 }
 
+// False, with id.reason, if a recording has no usable samples or the arm cannot be fitted.
 bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recordings,
              const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {

@@ -109,7 +109,8 @@ struct JointColumns {
   Eigen::Index count() const { return static_cast<Eigen::Index>(unknowns.size()); }
 };
 
-MatrixXd chosen(const JointRows& rows, const JointColumns& joint, const BaseParameters& base) {
+// The columns of a joint's rows that belong to the independent base parameters.
+MatrixXd columns_of_base(const JointRows& rows, const JointColumns& joint, const BaseParameters& base) {
   MatrixXd out(rows.A.rows(), joint.count());
   for (Eigen::Index c = 0; c < joint.count(); ++c) {
     const int parameter = base.independent[joint.unknowns[c]];
@@ -160,8 +161,8 @@ void absorb(const Model& arm, const CompressedRecording& recording, Preprocessin
     for (size_t i = 0; i < joints.size(); ++i) {
       const JointRows& rows = measured[i];
       MatrixXd A(rows.b.size(), 2 * joints[i].count() + 1);
-      A.leftCols(joints[i].count()) = chosen(rows, joints[i], base);
-      A.middleCols(joints[i].count(), joints[i].count()) = chosen(without[i], joints[i], base);
+      A.leftCols(joints[i].count()) = columns_of_base(rows, joints[i], base);
+      A.middleCols(joints[i].count(), joints[i].count()) = columns_of_base(without[i], joints[i], base);
       A.rightCols(1) = without[i].b;
       for (Eigen::Index at = 0; at < rows.b.size();) {
         const size_t block = block_of(rows.time[at]);

@@ -85,7 +85,7 @@ BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prio
   return {rod_body(arm, frame), false};
 }
 
-bool all_possible(const VectorXd& phi) {
+bool are_all_possible(const VectorXd& phi) {
   for (Eigen::Index first = 0; first < phi.size(); first += kBodyParameters) {
     if (!(smallest_eigenvalue(pseudo_inertia(phi.segment<kBodyParameters>(first))) > 0.0))
       return false;
@@ -256,7 +256,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   const MatrixXd A = rows.A * step_scale.asDiagonal();
   for (int step = 0; step < 2; ++step)
     x += step_scale.asDiagonal() * least_norm(A, VectorXd(rows.b - rows.A * x));
-  if (!found.feasible || !all_possible(x.head(of_bodies)) || (x.array().tail(columns - of_bodies) < 0.0).any()) {
+  if (!found.feasible || !are_all_possible(x.head(of_bodies)) || (x.array().tail(columns - of_bodies) < 0.0).any()) {
     out.remark = "no values near " + std::string(prior ? "the prior" : "plain rods") + " give these torques with possible bodies: values stay as "
                  "identified";
     return out;

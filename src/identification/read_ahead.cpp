@@ -17,6 +17,7 @@ struct ReaderStopped {};  // thrown in the reading thread after the visitor has 
 
 class Queue {
  public:
+  // Stores a segment once there is space. Throws ReaderStopped after close().
   void put(const Segment& segment) {
     std::unique_lock<std::mutex> lock(guard_);
     changed_.wait(lock, [this] { return closed_ || segments_.size() < kAhead; });
@@ -36,12 +37,14 @@ class Queue {
     return true;
   }
 
+  // Tells the reader that no segment follows.
   void end() {
     const std::lock_guard<std::mutex> lock(guard_);
     ended_ = true;
     changed_.notify_all();
   }
 
+  // Stops the writer at its next segment.
   void close() {
     const std::lock_guard<std::mutex> lock(guard_);
     closed_ = true;

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-RecordingOptions reading_poses(const Model& arm, const PreprocessingOptions& how, double rate) {
+RecordingOptions pose_reading_options(const Model& arm, const PreprocessingOptions& how, double rate) {
   RecordingOptions reading = recording_options_for(arm, how);
   if (reading.rate <= 0.0) reading.rate = rate;  // rate of a file without time
   reading.first_row = how.first_row;
@@ -20,9 +20,10 @@ RecordingOptions reading_poses(const Model& arm, const PreprocessingOptions& how
   return reading;
 }
 
-bool all_zero(const MatrixXd& m) { return (m.array() == 0.0 || m.array().isNaN()).all(); }
+bool is_zero_or_missing(const MatrixXd& m) { return (m.array() == 0.0 || m.array().isNaN()).all(); }
 
-bool are_signs(const MatrixXd& m) {
+// True if all values are -1, 0, 1 or missing.
+bool has_only_signs(const MatrixXd& m) {
   return (m.array() == 0.0 || m.array().abs() == 1.0 || m.array().isNaN()).all();
 }
 
@@ -108,9 +109,9 @@ Recording poses_between_motions(const Model& arm, const Recording& r) {
 Recording read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
                           std::optional<double> approach) {
   const Recording* there = find_in_memory(how.in_memory, path);
-  Recording out = without_gaps(arm, there != nullptr ? *there : read_recording(path, reading_poses(arm, how, 1.0)));
+  Recording out = without_gaps(arm, there != nullptr ? *there : read_recording(path, pose_reading_options(arm, how, 1.0)));
   if (out.dq.size() == 0) out.dq = MatrixXd::Zero(out.rows(), arm.joints());
-  if (!all_zero(out.dq) && !are_signs(out.dq)) out = poses_between_motions(arm, out);
+  if (!is_zero_or_missing(out.dq) && !has_only_signs(out.dq)) out = poses_between_motions(arm, out);
   const auto poses = out.q.rows();
   require(poses > 0, path, ": found no moment at which all joints rest, expected poses at rest.");
   out.source = path;
@@ -128,8 +129,8 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
   if (piece.rows() == 0 || piece.dq.size() == 0) return false;
   const Eigen::RowVectorXd first = piece.q.row(0);
   bool one_pose = true;  // one pose alone does not determine gravity
-  while (piece.rows() > 0 && all_zero(piece.dq)) {
-    one_pose = one_pose && all_zero(piece.q.rowwise() - first);
+  while (piece.rows() > 0 && is_zero_or_missing(piece.dq)) {
+    one_pose = one_pose && is_zero_or_missing(piece.q.rowwise() - first);
     piece = rows.next(identifying::kRestPiece);
   }
   if (piece.rows() > 0 || one_pose) return false;

@@ -81,13 +81,14 @@ double correlation_inflation(const Model& arm, const Identification& id) {
   return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kNoiseSeconds));
 }
 
+// True if some recording has this kind of error.
 bool any_has(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
   return std::any_of(recordings.begin(), recordings.end(), [figure](const RecordingError& r) {
     return (r.*figure).relative.size() > 0;
   });
 }
 
-PredictionError total(const std::vector<MeasuredErrors>& all, ErrorSums MeasuredErrors::* sums,
+PredictionError total_error(const std::vector<MeasuredErrors>& all, ErrorSums MeasuredErrors::* sums,
                       int joints) {
   ErrorSums out(joints);
   for (const MeasuredErrors& one : all) out.add(one.*sums);
@@ -229,7 +230,7 @@ void set_errors(const Model& arm, std::vector<MeasuredRecording> train,
     }
     const auto figure = [&](PredictionError RecordingError::* of_one,
                             ErrorSums MeasuredErrors::* of_sums) {
-      return any_has(part.out, of_one) ? total(sums, of_sums, arm.joints()) : PredictionError();
+      return any_has(part.out, of_one) ? total_error(sums, of_sums, arm.joints()) : PredictionError();
     };
     part.error = figure(&RecordingError::error, &MeasuredErrors::as_recorded);
     if (detached) {

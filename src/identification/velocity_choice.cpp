@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-VectorXd logarithm(const VectorXd& relative) {
+VectorXd log_of_square(const VectorXd& relative) {
   return 2.0 * relative.array().max(1e-300).min(1e300).log();
 }
 
@@ -42,12 +42,12 @@ VectorXd log_training_errors(const Identification& id) {
                                      ? id.train_without_excluded
                                  : id.train_repaired.relative.size() > 0 ? id.train_repaired
                                                                          : id.train_error;
-  return logarithm(error.relative);
+  return log_of_square(error.relative);
 }
 
 VectorXd decrease_of_errors(const Identification& before, const Identification& after) {
   return (log_training_errors(before) - log_training_errors(after))
-      .cwiseMin(logarithm(before.train_error.relative) - logarithm(after.train_error.relative));
+      .cwiseMin(log_of_square(before.train_error.relative) - log_of_square(after.train_error.relative));
 }
 
 VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,

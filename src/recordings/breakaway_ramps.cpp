@@ -20,27 +20,29 @@ struct Window {
   Eigen::Index from, to;
 };
 
-Window window(const VectorXd& time, Eigen::Index k, Eigen::Index first, Eigen::Index end) {
+// Rows first .. end - 1 that are within kWindow [s] of row k.
+Window window_around(const VectorXd& time, Eigen::Index k, Eigen::Index first, Eigen::Index end) {
   Window w{k, k};
   while (w.from > first && time[k] - time[w.from - 1] <= kWindow) --w.from;
   while (w.to + 1 < end && time[w.to + 1] - time[k] <= kWindow) ++w.to;
   return w;
 }
 
-bool slides(const VectorXd& time, const VectorXd& q, const Ramp& ramp, Eigen::Index k,
+// True if the mean speed about row k of a ramp is above `speed`.
+bool is_sliding_at(const VectorXd& time, const VectorXd& q, const Ramp& ramp, Eigen::Index k,
             double speed) {
-  const Window w = window(time, k, ramp.rest, ramp.end);
+  const Window w = window_around(time, k, ramp.rest, ramp.end);
   return w.to > w.from && std::abs(q[w.to] - q[w.from]) > speed * (time[w.to] - time[w.from]);
 }
 
 // The row at which sliding began, for a joint that has left its rest by row k; ramp.end if it did not slide.
 Eigen::Index onset_of(const VectorXd& time, const VectorXd& q, const Ramp& ramp, Eigen::Index k,
                       double speed) {
-  if (!slides(time, q, ramp, k, speed)) {
-    while (k < ramp.end && !slides(time, q, ramp, k, speed)) ++k;
+  if (!is_sliding_at(time, q, ramp, k, speed)) {
+    while (k < ramp.end && !is_sliding_at(time, q, ramp, k, speed)) ++k;
     return k;
   }
-  while (k > ramp.rest && slides(time, q, ramp, k - 1, speed)) --k;
+  while (k > ramp.rest && is_sliding_at(time, q, ramp, k - 1, speed)) --k;
   return k;
 }
 
@@ -71,12 +73,12 @@ bool is_ramp(const Coordinate& joint, const VectorXd& time, const VectorXd& q, c
 double sliding_share(const VectorXd& time, const VectorXd& q, double speed) {
   const Ramp all{0, 0, q.size()};
   double rows = 0.0;
-  for (Eigen::Index k = 0; k < q.size(); ++k) rows += slides(time, q, all, k, speed) ? 1.0 : 0.0;
+  for (Eigen::Index k = 0; k < q.size(); ++k) rows += is_sliding_at(time, q, all, k, speed) ? 1.0 : 0.0;
   return rows / static_cast<double>(std::max<Eigen::Index>(1, q.size()));
 }
 
 double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k) {
-  const Window w = window(time, k, 0, tau.size());
+  const Window w = window_around(time, k, 0, tau.size());
   return tau.segment(w.from, w.to - w.from + 1).mean();
 }
 

@@ -265,7 +265,7 @@ long prepared_bytes(const Model& arm, const Recording* rows, const Preprocessing
   return static_cast<long>(kPreparedBytes * samples * (4.0 * arm.joints() + 2.0));
 }
 
-PreparationFacts run_named(const Model& arm, const std::string& name,
+PreparationFacts visit_segments_of_named(const Model& arm, const std::string& name,
                            const PreprocessingOptions& options,
                            const std::function<void(const Segment&)>& visit) {
   if (const Recording* there = find_in_memory(options.in_memory, name))
@@ -279,17 +279,17 @@ PreparationFacts run_named(const Model& arm, const std::string& name,
 PreparationFacts for_each_segment(const Model& arm, const std::string& path,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Segment&)>& visit) {
-  if (!options.kept) return run_named(arm, path, options, visit);
+  if (!options.kept) return visit_segments_of_named(arm, path, options, visit);
   const Recording* rows = find_in_memory(options.in_memory, path);
   std::shared_ptr<const KeptRecordings::Whole> file;
   if (rows == nullptr && (file = options.kept->find(path, recording_options_for(arm, options)))) rows = &file->rows;
   const auto prepared = options.kept->prepared(
       preparation_key(arm, path, options), prepared_bytes(arm, rows, options), [&] {
         PreparedRecording out;
-        out.facts = run_named(arm, path, options, [&out](const Segment& s) { out.segments.push_back(s); });
+        out.facts = visit_segments_of_named(arm, path, options, [&out](const Segment& s) { out.segments.push_back(s); });
         return out;
       });
-  if (!prepared) return run_named(arm, path, options, visit);
+  if (!prepared) return visit_segments_of_named(arm, path, options, visit);
   for (const Segment& s : prepared->segments) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
     visit(s);

@@ -21,7 +21,7 @@ void append_number(double value, int digits, std::string* line) {
   line->append(digits_text, end);
 }
 
-std::string header_of(const Recording& recording) {
+std::string csv_header_of(const Recording& recording) {
   std::string line = "t";
   for (const RecordingSignal& signal : kRecordingSignals) {
     for (int joint = 1; joint <= (recording.*signal.values).cols(); ++joint)
@@ -117,7 +117,7 @@ void write_recording(const Recording& recording, const std::string& path,
             " joints.");
   }
   OutputFile file(path);
-  std::string line = (remark.empty() ? "" : "# " + remark + "\n") + header_of(recording);
+  std::string line = (remark.empty() ? "" : "# " + remark + "\n") + csv_header_of(recording);
   for (int row = 0; row < recording.rows(); ++row) {
     append_number(recording.time[row], 15, &line);
     for (const RecordingSignal& signal : kRecordingSignals) {

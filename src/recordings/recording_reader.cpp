@@ -92,7 +92,7 @@ class WithoutHeldJoints : public recordings::RowSource {
   std::vector<int> kept_;
 };
 
-std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
+std::unique_ptr<recordings::RowSource> open_row_source(const std::string& path,
                                                const RecordingOptions& options) {
   const std::vector<std::string> files = recordings::files_joined_by(path);
   if (!files.empty())
@@ -119,18 +119,18 @@ bool is_read_once(const std::string& path) {
 // that a pipe is assumed to contain no held joint.
 std::unique_ptr<recordings::RowSource> rows_of_arm(const std::string& path, const RecordingOptions& options) {
   const SignalChoice& choice = options.signals;
-  if (choice.held.empty() || is_read_once(path)) return rows_in(path, options);
+  if (choice.held.empty() || is_read_once(path)) return open_row_source(path, options);
   RecordingOptions all = options;
   for (const HeldJoint& h : choice.held)
     all.signals.joints.insert(all.signals.joints.begin() + h.number - 1, h.joint);
   try {
-    std::unique_ptr<recordings::RowSource> whole = rows_in(path, all);
+    std::unique_ptr<recordings::RowSource> whole = open_row_source(path, all);
     if (whole->joints() == static_cast<int>(all.signals.joints.size()))
       return std::make_unique<WithoutHeldJoints>(std::move(whole), choice);
   } catch (const InvalidInput&) {
     // Held joints have no column in the result.
   }
-  return rows_in(path, options);
+  return open_row_source(path, options);
 }
 
 }  // namespace

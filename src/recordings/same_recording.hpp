@@ -23,7 +23,7 @@ class RowSample {
   std::vector<std::uint64_t> hashes();
 
  private:
-  void keep_smallest();
+  void keep_smallest();  ///< at most kSampled hashes
 
   Recording before_;  // last rows of the piece before
   std::vector<std::uint64_t> hashes_;

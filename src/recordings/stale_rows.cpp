@@ -16,7 +16,7 @@ constexpr double kLongest = 0.1;  // [s] largest time between the new values on 
 
 using Index = Eigen::Index;
 
-bool repeats(const MatrixXd& m, Index k) {
+bool repeats_row_before(const MatrixXd& m, Index k) {
   for (Index j = 0; j < m.cols(); ++j) {
     // The comparison is false for NaN, which never counts as repeated.
     if (!(m(k, j) == m(k - 1, j))) return false;
@@ -24,7 +24,7 @@ bool repeats(const MatrixXd& m, Index k) {
   return true;
 }
 
-bool sound(const MatrixXd& m, Index k) {
+bool is_finite_row(const MatrixXd& m, Index k) {
   for (Index j = 0; j < m.cols(); ++j) {
     if (!(std::abs(m(k, j)) < kAbsurd)) return false;
   }
@@ -37,7 +37,7 @@ std::vector<Index> repeated_rows(const Recording& r) {
   for (Index k = 1; k < r.rows(); ++k) {
     const bool all =
         std::all_of(std::begin(kRecordingSignals), std::end(kRecordingSignals),
-                    [&](const RecordingSignal& signal) { return repeats(r.*signal.values, k); });
+                    [&](const RecordingSignal& signal) { return repeats_row_before(r.*signal.values, k); });
     if (all) out.push_back(k);
   }
   return out;
@@ -83,22 +83,22 @@ class Filling {
       return std::abs(raw_.time[k] - raw_.time[stale]) <= kLongest;
     };
     Index before = stale - 1;
-    while (before > 0 && near(before) && repeats(m, before)) --before;
+    while (before > 0 && near(before) && repeats_row_before(m, before)) --before;
     Index after = stale + 1;
-    while (after < raw_.rows() && near(after) && repeats(m, after)) ++after;
+    while (after < raw_.rows() && near(after) && repeats_row_before(m, after)) ++after;
     if (after == raw_.rows() || raw_.time[after] - raw_.time[before] > kLongest) return;
-    if (!sound(m, before) || !sound(m, after) || !moves(stale, before, after)) return;
+    if (!is_finite_row(m, before) || !is_finite_row(m, after) || !is_moving_across(stale, before, after)) return;
     const Index begin = std::max(before + 1, first_);
     const Index end = std::min(after, first_ + static_cast<Index>(rows_.rows()));
-    for (Index k = begin; k < end; ++k) fill(k, before, after, signal);
+    for (Index k = begin; k < end; ++k) interpolate(k, before, after, signal);
   }
 
-  bool moves(Index stale, Index before, Index after) const {
+  bool is_moving_across(Index stale, Index before, Index after) const {
     if (raw_.dq.size() > 0) return (raw_.dq.row(stale).array() != 0.0).any();
     return raw_.q.row(before) != raw_.q.row(after);
   }
 
-  void fill(Index k, Index before, Index after, const RecordingSignal& signal) {
+  void interpolate(Index k, Index before, Index after, const RecordingSignal& signal) {
     const MatrixXd& m = raw_.*signal.values;
     const double age = raw_.time[k] - raw_.time[before];
     const double length = raw_.time[after] - raw_.time[before];
@@ -106,7 +106,7 @@ class Filling {
     MatrixXd& out = rows_.*signal.values;
     const Index row = k - first_;
     const bool curved = signal.values == &Recording::q && raw_.dq.size() > 0 &&
-                        sound(raw_.dq, before) && sound(raw_.dq, after);
+                        is_finite_row(raw_.dq, before) && is_finite_row(raw_.dq, after);
     for (Index j = 0; j < m.cols(); ++j) {
       out(row, j) = curved ? monotone_cubic(m(before, j), length * raw_.dq(before, j), m(after, j),
                                       length * raw_.dq(after, j), u)

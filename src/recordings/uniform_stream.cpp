@@ -41,7 +41,7 @@ void UniformStream::check(const Recording& piece) const {
   sensors_.require_drive_gains(arm_, name_);
 }
 
-bool UniformStream::usable(const Recording& piece, Eigen::Index row) const {
+bool UniformStream::is_usable(const Recording& piece, Eigen::Index row) const {
   const auto good = [row](const MatrixXd& m) {
     for (Eigen::Index j = 0; j < m.cols(); ++j) {
       if (!(std::abs(m(row, j)) < kAbsurd)) return false;
@@ -92,7 +92,7 @@ void UniformStream::read_piece() {
     if (file_row == std::max(0L, options_.first_row)) t_wanted_first_ = piece.time[i];
     if (options_.row_count && file_row == options_.first_row + *options_.row_count - 1)
       t_wanted_last_ = piece.time[i];
-    if (!usable(piece, i)) continue;
+    if (!is_usable(piece, i)) continue;
     make_row(piece, i, row_);
     if (!started_) t_first_ = row_.t;
     emit_until(row_);

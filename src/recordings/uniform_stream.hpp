@@ -24,8 +24,8 @@ class UniformStream {
 
   bool ended() const { return ended_; }
   bool has_velocity() const { return has_velocity_; }
-  double dt() const { return dt_; }
-  double start() const { return t_first_; }
+  double dt() const { return dt_; }  ///< [s]
+  double start() const { return t_first_; }  ///< [s] time of grid index 0
   long rows_read() const { return rows_read_; }
 
   /// Held samples (rows x 3 n): q, dq (if recorded, else 2 n columns), tau; and a flag for the validity of
@@ -49,10 +49,10 @@ class UniformStream {
     double t;
     std::vector<double> values;
   };
-  void read_piece();
-  void emit_until(const Row& row);
+  void read_piece();  ///< the next rows of the source
+  void emit_until(const Row& row);  ///< adds samples of the grid up to this row
   double longest_bridge() const;  ///< [s] largest distance between rows that is not a gap
-  bool usable(const Recording& piece, Eigen::Index row) const;
+  bool is_usable(const Recording& piece, Eigen::Index row) const;  ///< all values are finite and plausible
   void make_row(const Recording& piece, Eigen::Index row, Row& out) const;
   Eigen::Index held() const { return static_cast<Eigen::Index>(sound_.size()); }
   void check(const Recording& piece) const;

@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-std::string list(const VectorXd& values) {
+std::string yaml_list(const VectorXd& values) {
   std::string out;
   for (const double value : values) out += fmt::format("{}{:.17g}", out.empty() ? "" : ", ", value);
   return "[" + out + "]";
@@ -24,7 +24,7 @@ std::string coefficients_yaml(const Excitation& e) {
   for (Eigen::Index i = 0; i < e.trajectory.joints(); ++i) {
     out += fmt::format("  - name: {}\n    q0: {:.17g}\n    a: {}\n    b: {}\n",
                        e.joints[i], e.trajectory.q0()[i],
-                       list(e.trajectory.a().row(i)), list(e.trajectory.b().row(i)));
+                       yaml_list(e.trajectory.a().row(i)), yaml_list(e.trajectory.b().row(i)));
   }
   return out;
 }

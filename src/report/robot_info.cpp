@@ -48,7 +48,7 @@ std::string body_text(const Frame& frame) {
   return frame.body->phi ? "body, with values" : "body";
 }
 
-std::string frames(const Model& arm) {
+std::string frame_table(const Model& arm) {
   TextTable table({kLeft, kLeft, kLeft, kLeft});
   table.add({"frame", "parent", "", "joint variable"});
   for (const Frame& frame : arm.frames()) {
@@ -58,7 +58,7 @@ std::string frames(const Model& arm) {
   return table.text();
 }
 
-std::string effects(const Model& arm) {
+std::string effect_table(const Model& arm) {
   if (arm.effects().empty()) return paragraph({"no effects"});
   TextTable table({kLeft, kLeft, kLeft});
   table.add({"effect", "acts on", "values"});
@@ -120,7 +120,7 @@ std::string RobotInfo::report() const {
   if (has_no_friction(arm))
     out += "no friction: the file has none, and every real joint has (identify --friction plain)\n";
   for (const std::string& fault : physical_faults(arm)) out += "impossible: " + fault + "\n";
-  out += "\n" + coordinates(arm) + "\n" + frames(arm) + "\n" + effects(arm) + "\n";
+  out += "\n" + coordinates(arm) + "\n" + frame_table(arm) + "\n" + effect_table(arm) + "\n";
   out += fmt::format("{} standard parameters, {} base parameters, rank gap {:.1e}\n",
                      parameters.size(), base.size(), base.rank_gap);
   out += base_parameter_list(*this);

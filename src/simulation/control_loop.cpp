@@ -29,7 +29,7 @@ class Log {
              MatrixXd(time.size(), n)} {}
 
   // Adds the row of the engine's present state, with the motors' and the total torques.
-  bool row(Eigen::Index k, Engine& engine, const VectorXd& motors, const VectorXd& all) {
+  bool add_row(Eigen::Index k, Engine& engine, const VectorXd& motors, const VectorXd& all) {
     VectorXd ddq(motors.size());
     const StepStatus status = engine.accelerate(all, ddq);
     if (status != StepStatus::kOk) return stop(k, status, engine);
@@ -55,13 +55,13 @@ class Log {
     return false;
   }
 
-  EngineRun take() { return std::move(run_); }
+  EngineRun extract_run() { return std::move(run_); }
 
  private:
   EngineRun run_;
 };
 
-JointControllerOptions settings(const LoopOptions& options, const VectorXd& limit) {
+JointControllerOptions controller_options_of(const LoopOptions& options, const VectorXd& limit) {
   JointControllerOptions out{options.gains.p, options.gains.d};
   out.cycle.friction.share = options.friction;
   out.cycle.error_bandwidth = 0.0;
@@ -84,7 +84,7 @@ class Loop {
     }
     velocity_ = motors_ = whole_ = VectorXd::Zero(n_);
     if (options.model) {
-      controller_.emplace(*options.model, settings(options, limit_));
+      controller_.emplace(*options.model, controller_options_of(options, limit_));
     } else {
       pid_.emplace(options.gains, PidLimits{{}, limit_});
     }
@@ -92,7 +92,7 @@ class Loop {
 
   void start(const VectorXd& q, const VectorXd& dq) {
     seen_.assign(static_cast<size_t>(std::lround(options_.sensors.delay * options_.rate)) + 1,
-                 measured(q));
+                 encoder_reading(q));
     last_ = seen_.front();
     velocity_ = dq;
   }
@@ -111,7 +111,7 @@ class Loop {
   // @param h  [s] since the previous update.
   void update(const VectorXd& q, const JointReference& wanted, double h) {
     std::rotate(seen_.begin(), seen_.begin() + 1, seen_.end());
-    seen_.back() = measured(q);
+    seen_.back() = encoder_reading(q);
     const VectorXd& now = seen_.front();
     const double cutoff = options_.sensors.velocity_cutoff;
     const double share = cutoff > 0.0 ? 1.0 - std::exp(-2.0 * M_PI * cutoff * h) : 1.0;
@@ -136,7 +136,7 @@ class Loop {
     return step > 0.0 ? std::round(tau / step) * step : tau;
   }
 
-  VectorXd measured(const VectorXd& q) const {
+  VectorXd encoder_reading(const VectorXd& q) const {
     const VectorXd& step = options_.sensors.encoder_step;
     if (step.size() == 0) return q;
     VectorXd out = q;
@@ -241,20 +241,20 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
       all = motors;
       for (const PerturbedArm::Contact& contact : options.contacts)
         all[contact.coordinate] -= contact_effort(contact, time[k] - time[0] + u * whole);
-      if (p == 0 && !log.row(k, engine, motors, all)) return log.take();
+      if (p == 0 && !log.add_row(k, engine, motors, all)) return log.extract_run();
       if (last) break;
       const StepStatus status = engine.step(all, h);
       if (status != StepStatus::kOk) {
         log.stop(k + 1, status, engine);
-        return log.take();
+        return log.extract_run();
       }
       const int lost = runaway_joint(engine.q(), wanted.q, range);
       if (lost < 0) continue;
       log.stop(k + 1, StepStatus::kRanAway, engine, lost);
-      return log.take();
+      return log.extract_run();
     }
   }
-  return log.take();
+  return log.extract_run();
 }
 
 MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps) {
@@ -290,14 +290,14 @@ EngineRun run_with_torques(Engine& engine, const MotionSamples& motion, const Ma
   VectorXd now(tau.cols());
   for (Eigen::Index k = 0; k < rows; ++k) {
     now = tau.row(k).transpose();
-    if (!log.row(k, engine, now, now)) break;
+    if (!log.add_row(k, engine, now, now)) break;
     if (k + 1 == rows) break;
     const StepStatus status = engine.step(now, motion.time[k + 1] - motion.time[k]);
     if (status == StepStatus::kOk) continue;
     log.stop(k + 1, status, engine);
     break;
   }
-  return log.take();
+  return log.extract_run();
 }
 
 }  // namespace veridyn

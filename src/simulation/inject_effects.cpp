@@ -73,16 +73,16 @@ class Injector {
   }
 
   void add(const HiddenEffect& hidden, JointIndex joint, std::map<std::string, double> values) {
-    add(hidden, coordinate(joint).name, joint, std::move(values));
+    add(hidden, coordinate_of(joint).name, joint, std::move(values));
   }
 
-  const Coordinate& coordinate(JointIndex joint) const {
+  const Coordinate& coordinate_of(JointIndex joint) const {
     return out_.arm.coordinates()[joint.value];
   }
 
   void inject(const HiddenEffect& hidden, const ChannelError& cause) {
     const ChannelEffect& channel = *channel_effect(cause.effect);
-    const bool slides = cause.joint && coordinate(*cause.joint).prismatic;
+    const bool slides = cause.joint && coordinate_of(*cause.joint).prismatic;
     const std::vector<InjectedValue> keys =
         channel.injected(slides ? JointType::kPrismatic : JointType::kRevolute);
     Defaults defaults;
@@ -249,6 +249,7 @@ class Injector {
     return EffectFacts(out_.arm, out_.arm.effects()[term]).has_values();
   }
 
+  // True if some parameter of the effect is not zero.
   static bool has_force(const EffectTerm& term) {
     for (const EffectParameter& p : find_axis_effect(term.effect).parameters()) {
       if (term.values.at(p.name) != 0.0) return true;

@@ -24,7 +24,7 @@ void require_shape(const Model& arm, const MotionSamples& m) {
           "' has ", arm.joints(), " joints.");
 }
 
-bool rises(const VectorXd& time) {
+bool is_strictly_increasing(const VectorXd& time) {
   for (Eigen::Index k = 1; k < time.size(); ++k) {
     if (!(time[k] > time[k - 1])) return false;
   }
@@ -37,7 +37,7 @@ MatrixXd joint_torques(const Model& arm, const MotionSamples& motion, int subste
   require_shape(arm, motion);
   require_values(arm);
   require(substeps >= 1, "joint_torques: found ", substeps, " substeps, expected 1 or more.");
-  return plant_torques(arm, motion, rises(motion.time) ? substeps : 1);
+  return plant_torques(arm, motion, is_strictly_increasing(motion.time) ? substeps : 1);
 }
 
 VectorXd joint_torques(const Model& arm, const VectorRef& q, const VectorRef& dq,

@@ -28,7 +28,7 @@ YamlNode gains_file(const std::string& path, const std::string& expected, YamlSo
   return YamlNode::parse(content, source);
 }
 
-VectorXd list(const YamlNode& node, int joints) {
+VectorXd gains_in(const YamlNode& node, int joints) {
   const std::vector<double> numbers =
       node.numbers(static_cast<size_t>(joints), "one gain per joint");
   return Eigen::Map<const VectorXd>(numbers.data(), joints);
@@ -50,10 +50,10 @@ PidGains read_gains(const std::string& path, const Model& arm) {
   YamlSource source;
   const YamlNode root = gains_file(path, "lists p, i and d", source);
   root.allow_keys({"p", "i", "d"});
-  PidGains gains{list(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};
-  if (const auto i = root.find("i")) gains.i = list(*i, arm.joints());
+  PidGains gains{gains_in(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};
+  if (const auto i = root.find("i")) gains.i = gains_in(*i, arm.joints());
   const auto d = root.find("d");
-  gains.d = d ? list(*d, arm.joints()) : critical_damping(arm, gains.p);
+  gains.d = d ? gains_in(*d, arm.joints()) : critical_damping(arm, gains.p);
   return gains;
 }
 
@@ -61,9 +61,9 @@ JointGains read_joint_gains(const std::string& path, const Model& arm) {
   YamlSource source;
   const YamlNode root = gains_file(path, "lists p and d", source);
   root.allow_keys({"p", "d"});
-  JointGains gains{list(root.at("p"), arm.joints()), {}};
+  JointGains gains{gains_in(root.at("p"), arm.joints()), {}};
   const auto d = root.find("d");
-  gains.d = d ? list(*d, arm.joints()) : VectorXd(2.0 * gains.p.cwiseMax(0.0).cwiseSqrt());
+  gains.d = d ? gains_in(*d, arm.joints()) : VectorXd(2.0 * gains.p.cwiseMax(0.0).cwiseSqrt());
   return gains;
 }
 
@@ -73,7 +73,7 @@ ImpedanceGains read_tip_gains(const std::string& path) {
   root.allow_keys({"mass", "damping", "stiffness"});
   ImpedanceGains gains;
   const auto three = [&](const char* key, auto& all) {
-    const VectorXd numbers = list(root.at(key), 3);
+    const VectorXd numbers = gains_in(root.at(key), 3);
     all << numbers, numbers;
   };
   three("mass", gains.mass);

@@ -15,15 +15,15 @@ namespace {
 // Lower bound of the effort for joints that carry no body: without rotor and friction their inertia would be zero.
 constexpr double kLeastEffort = 0.1;  // [N m] or [N]
 
-double tightened(double value, double bound) {
+double with_upper_bound(double value, double bound) {
   return bound > 0.0 ? std::min(value, bound) : value;
 }
 
 InertialParameters random_body(RandomNumbers& random, const ParameterBox& box) {
-  const double heaviest = tightened(3.0, box.mass_max);
+  const double heaviest = with_upper_bound(3.0, box.mass_max);
   const double lightest = std::min(0.2, 0.5 * heaviest);
   const double mass = lightest * std::pow(heaviest / lightest, random.uniform());
-  const double reach = tightened(0.1, box.com_reach);
+  const double reach = with_upper_bound(0.1, box.com_reach);
   Eigen::Vector3d com;
   for (double& c : com) c = random.uniform(-reach, reach);
   const double a2 = std::pow(random.uniform(0.03, 0.12), 2);

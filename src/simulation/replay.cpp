@@ -60,7 +60,7 @@ void compare_motion(const ReplayInput& input, Replay& out) {
   out.motion_rms = (out.motion_rms / static_cast<double>(std::max(1L, count))).cwiseSqrt();
 }
 
-bool any(const EffectTerm& /*term*/) {
+bool accepts_every_term(const EffectTerm& /*term*/) {
   return true;
 }
 
@@ -141,7 +141,7 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
   out.recorded_tau = low_pass(input.tau.topRows(done), options.cutoff);
   out.simulated_tau = low_pass(out.run.tau + unfelt, options.cutoff);
   out.predicted_tau = low_pass(
-      rigid_torques(arm, recorded) + effect_torques(arm, recorded, load(recorded), kSubsteps, any),
+      rigid_torques(arm, recorded) + effect_torques(arm, recorded, load(recorded), kSubsteps, accepts_every_term),
       options.cutoff);
   out.use.assign(input.use.begin(), input.use.begin() + done);
   out.torque_error = relative_error(out.simulated_tau, out.recorded_tau, out.use);

@@ -15,6 +15,7 @@ struct Point {
   double q, dq, ddq;
 };
 
+// The quintic through two points with their derivatives, h [s] apart, at the share u of that time.
 Point quintic(const Point& p0, const Point& p1, double h, double u) {
   // The quintic in x = u is f = c0 + c1 u + ... + c5 u^5, with derivatives scaled by h.
   const double v0 = h * p0.dq;

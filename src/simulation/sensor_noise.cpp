@@ -28,11 +28,11 @@ enum Stream : unsigned {
   kDropouts = 700
 };
 
-RandomNumbers stream(unsigned seed, Stream kind, Eigen::Index joint) {
+RandomNumbers random_stream(unsigned seed, Stream kind, Eigen::Index joint) {
   return RandomNumbers(seed, kind + static_cast<unsigned>(joint));
 }
 
-double amount(const Model& arm, const JointAmount& of, Eigen::Index joint) {
+double amount_for_joint(const Model& arm, const JointAmount& of, Eigen::Index joint) {
   return arm.coordinates()[joint].prismatic ? of.prismatic : of.revolute;
 }
 
@@ -77,8 +77,8 @@ Wave fade_in_and_out(const VectorXd& time) {
 void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index joint,
                       const VectorXd& time, MatrixXd& tau) {
   const double rms = std::sqrt(tau.col(joint).squaredNorm() / static_cast<double>(tau.rows()));
-  RandomNumbers white = stream(seed, kTorqueWhite, joint);
-  RandomNumbers innovations = stream(seed, kTorqueColoured, joint);
+  RandomNumbers white = random_stream(seed, kTorqueWhite, joint);
+  RandomNumbers innovations = random_stream(seed, kTorqueColoured, joint);
   double coloured = innovations.normal();
   for (Eigen::Index k = 0; k < tau.rows(); ++k) {
     if (k > 0) {
@@ -93,7 +93,7 @@ void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index join
 void delay_rows(const SensorNoise& noise, unsigned seed, MotionSamples& motion, MatrixXd& tau) {
   const VectorXd time = motion.time;
   VectorXd shown = time;
-  RandomNumbers random = stream(seed, kLate, 0);
+  RandomNumbers random = random_stream(seed, kLate, 0);
   for (Eigen::Index k = 0; k < time.size(); ++k) {
     shown[k] -= noise.delay + noise.late * std::abs(random.normal());
     // The instant of a row is never before that of the previous row.
@@ -121,7 +121,7 @@ class Runs {
     if (length == 1.0) stays_ = share;  // isolated rows
   }
 
-  bool next() {
+  bool next_row_is_inside() {
     inside_ = random_.uniform() < (inside_ ? stays_ : begins_);
     return inside_;
   }
@@ -139,9 +139,9 @@ MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wan
   MotionSamples actual = wanted;
   const Wave fade = fade_in_and_out(wanted.time);
   for (Eigen::Index i = 0; i < wanted.joints(); ++i) {
-    const double rms = amount(arm, noise.tracking, i);
+    const double rms = amount_for_joint(arm, noise.tracking, i);
     if (rms == 0.0 || wanted.dq.col(i).cwiseAbs().maxCoeff() == 0.0) continue;
-    RandomNumbers random = stream(seed, kTracking, i);
+    RandomNumbers random = random_stream(seed, kTracking, i);
     const Wave d = random_waves(wanted.time, rms, random);
     actual.q.col(i).array() += fade.value * d.value;
     actual.dq.col(i).array() += fade.rate * d.value + fade.value * d.rate;
@@ -155,26 +155,26 @@ void measure(const Model& arm, const SensorNoise& noise, unsigned seed, MotionSa
              MatrixXd& tau) {
   if (noise.delay > 0.0 || noise.late > 0.0) delay_rows(noise, seed, motion, tau);
   for (Eigen::Index i = 0; i < motion.joints(); ++i) {
-    const double step = amount(arm, noise.encoder_step, i);
+    const double step = amount_for_joint(arm, noise.encoder_step, i);
     if (step > 0.0) motion.q.col(i) = (motion.q.col(i).array() / step).round() * step;
-    const double velocity = amount(arm, noise.velocity, i);
-    RandomNumbers random = stream(seed, kVelocity, i);
+    const double velocity = amount_for_joint(arm, noise.velocity, i);
+    RandomNumbers random = random_stream(seed, kVelocity, i);
     if (velocity > 0.0) {
       for (double& v : motion.dq.col(i)) v += velocity * random.normal();
     }
     if (noise.torque_white > 0.0 || noise.torque_coloured > 0.0)
       add_torque_noise(noise, seed, i, motion.time, tau);
   }
-  Runs stale(noise.stale_rows, noise.stale_run, stream(seed, kStale, 0));
+  Runs stale(noise.stale_rows, noise.stale_run, random_stream(seed, kStale, 0));
   for (Eigen::Index k = 1; k < motion.rows(); ++k) {
-    if (!stale.next()) continue;
+    if (!stale.next_row_is_inside()) continue;
     motion.q.row(k) = motion.q.row(k - 1);
     motion.dq.row(k) = motion.dq.row(k - 1);
     tau.row(k) = tau.row(k - 1);
   }
-  Runs missing(noise.dropouts, noise.dropout_run, stream(seed, kDropouts, 0));
+  Runs missing(noise.dropouts, noise.dropout_run, random_stream(seed, kDropouts, 0));
   for (Eigen::Index k = 1; k < motion.rows(); ++k) {
-    if (!missing.next()) continue;
+    if (!missing.next_row_is_inside()) continue;
     for (MatrixXd* m : {&motion.q, &motion.dq, &tau})
       m->row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
   }

@@ -18,7 +18,7 @@ struct Key {
 
 constexpr double kAnyAmount = 1e3;
 
-const std::vector<Key>& keys() {
+const std::vector<Key>& noise_keys() {
   static const std::vector<Key> all{
       {"torque_white", &SensorNoise::torque_white, 0.0, kAnyAmount},
       {"torque_coloured", &SensorNoise::torque_coloured, 0.0, kAnyAmount},
@@ -72,7 +72,7 @@ void change(const std::string& pair, SensorNoise& noise) {
   const auto equals = pair.find('=');
   const std::string name = pair.substr(0, equals);
   std::vector<std::string> names;
-  for (const Key& key : keys()) {
+  for (const Key& key : noise_keys()) {
     names.emplace_back(key.name);
     if (name != key.name || equals == std::string::npos) continue;
     const double value = evaluate(pair.substr(equals + 1), {});

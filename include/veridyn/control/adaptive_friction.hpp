@@ -63,7 +63,7 @@ class AdaptiveFriction {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // information matrix of the columns F, 1, s
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
   };
-  void adapt(Learned& axis, double force, double s, double needed, double dt) const noexcept;
+  void adapt(Learned& axis, double force, double s, double needed, double dt) const noexcept;  ///< one step of recursive least squares, for s and needed force
   AdaptiveFrictionOptions options_;
   std::vector<Learned> axes_;
 };

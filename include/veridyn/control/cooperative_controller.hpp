@@ -167,9 +167,9 @@ class CooperativeController {
   void set_relief_force(double force) noexcept {
     if (force > 0.0) options_.relief_force = force;
   }
-  bool arrived() const { return centre_.arrived() && angle_.arrived(); }
-  double wanted_force(int member) const { return wanted_.x()[member]; }
-  double correction(int member) const { return trackers_[member].value(); }
+  bool arrived() const { return centre_.arrived() && angle_.arrived(); }  ///< the object's motion has ended
+  double wanted_force(int member) const { return wanted_.x()[member]; }  ///< [N]
+  double correction(int member) const { return trackers_[member].value(); }  ///< [m] x_f of a member
   int arms() const { return static_cast<int>(targets_.size()); }
 
  private:
@@ -184,17 +184,17 @@ class CooperativeController {
     Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
   };
 
-  void plan() noexcept;
-  void correct(const CooperativeInput& input) noexcept;
-  CooperativeState check_input(const CooperativeInput& input) noexcept;
-  void relieve(const CooperativeInput& input) noexcept;
-  void give_way(const CooperativeInput& input) noexcept;
-  void update_lengths(const CooperativeInput& input) noexcept;
+  void plan() noexcept;  ///< sets the targets to the object's motion
+  void correct(const CooperativeInput& input) noexcept;  ///< adds the corrections of the force laws
+  CooperativeState check_input(const CooperativeInput& input) noexcept;  ///< kTracking if no bound is exceeded
+  void relieve(const CooperativeInput& input) noexcept;  ///< yields to forces above relief_force
+  void give_way(const CooperativeInput& input) noexcept;  ///< follows a falling arm, then relieves members
+  void update_lengths(const CooperativeInput& input) noexcept;  ///< updates the guard's unloaded lengths
   bool generates_energy(size_t member, const ForceReading& reading,
                     const CooperativeInput& input) noexcept;
-  bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
-  bool jumps(size_t member, const ForceReading& reading, double length) noexcept;
-  bool drifts(size_t member, const ForceReading& reading, const CooperativeInput& input) noexcept;
+  bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;  ///< see kSensorStuck
+  bool jumps(size_t member, const ForceReading& reading, double length) noexcept;  ///< see kSensorJumped
+  bool drifts(size_t member, const ForceReading& reading, const CooperativeInput& input) noexcept;  ///< see kSensorDrifted
   bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
 
   CooperativeOptions options_;

@@ -119,13 +119,13 @@ class FrictionCompensation {
     double force = 0.0;   // force since that update [N m], [N]
     bool first = true;
   };
-  static double sliding(const Axis& axis, double direction, double speed) noexcept;
-  static double rest_force(const Axis& axis) noexcept;
-  static double tank_level(const Axis& axis) noexcept;
-  double velocity_force(const Axis& axis, double v, double v_wanted, double error) const noexcept;
+  static double sliding(const Axis& axis, double direction, double speed) noexcept;  ///< [N m], [N] friction while sliding, as the public sliding()
+  static double rest_force(const Axis& axis) noexcept;  ///< larger magnitude of both directions
+  static double tank_level(const Axis& axis) noexcept;  ///< content relative to capacity; 1 without supervision
+  double velocity_force(const Axis& axis, double v, double v_wanted, double error) const noexcept;  ///< rules by velocity; position error only at rest
   static double memory_force(Axis& axis, double will, double speed, double v) noexcept;
-  double total_force(Axis& axis, double v, double v_wanted, double error) const noexcept;
-  void supervise(Axis& axis, double v_wanted, double dt) const noexcept;
+  double total_force(Axis& axis, double v, double v_wanted, double error) const noexcept;  ///< force of the rule in use, unscaled
+  void supervise(Axis& axis, double v_wanted, double dt) const noexcept;  ///< fills and drains the tank
 
   FrictionOptions options_;
   std::vector<Axis> axes_;

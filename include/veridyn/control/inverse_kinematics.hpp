@@ -44,9 +44,9 @@ class InverseKinematics {
 
  private:
   double measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R, const VectorXd& q,
-                 Vector6d& e) noexcept;
-  void step(const Vector6d& e, const VectorXd& q) noexcept;
-  bool reached() const;
+                 Vector6d& e) noexcept;  ///< sets e and both errors; @returns one number for both
+  void step(const Vector6d& e, const VectorXd& q) noexcept;  ///< sets move_ to a damped step of at most longest_step
+  bool reached() const;  ///< both errors are within their tolerances
 
   InverseKinematicsOptions options_;
   TipKinematics kinematics_;

@@ -158,18 +158,18 @@ class SafetySupervisor {
     SafetyFault fault = SafetyFault::kNone;
     std::optional<int> joint = {};
   };
-  Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
-  Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;
+  Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< the first fault found
+  Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< values that are not finite, old samples
   Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;
   Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
   Finding check_force(const SafetyInput& input) noexcept;
-  Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;
+  Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;  ///< a fault of an arm that does not stop
   bool is_at_rest(const ArmState& arm) const noexcept;
-  void record_finding(const Finding& found) noexcept;
+  void record_finding(const Finding& found) noexcept;  ///< one event per kind of fault
   void store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept;
   void keep_holding_torque() noexcept;
-  void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;
-  void brake(const ArmState& arm) noexcept;
+  void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;  ///< sets out_ by the action
+  void brake(const ArmState& arm) noexcept;  ///< sets out_ to brake, then to hold
 
   SafetyLimits limits_;
   GravityCompensation gravity_;

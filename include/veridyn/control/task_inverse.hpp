@@ -68,7 +68,7 @@ class TaskInverse {
   /// Holds coordinate i: from the next update() on its column counts as zero, until release().
   void hold(int i) noexcept { held_[i] = 1; }
   void release() noexcept { std::fill(held_.begin(), held_.end(), char{0}); }
-  bool held(int i) const noexcept { return held_[i] != 0; }
+  bool held(int i) const noexcept { return held_[i] != 0; }  ///< true: joint i does not contribute, see hold()
 
   int rows() const { return rows_; }
   double length() const { return length_; }
@@ -79,8 +79,8 @@ class TaskInverse {
 
  private:
   template <int kRows>
-  void factor() noexcept;
-  Vector6d weigh(const Vector6d& a) const noexcept;
+  void factor() noexcept;  ///< factors J~ J~'
+  Vector6d weigh(const Vector6d& a) const noexcept;  ///< (J~ J~')^-1 a, damped
 
   int rows_;
   double length_, threshold_;

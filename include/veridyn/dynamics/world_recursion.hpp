@@ -183,7 +183,7 @@ struct WorldRecursion {
   ArticulatedInertia<S>* articulated;
   ArticulatedJoint<S>* joint;
 
-  S* array(int quantity) const { return data + quantity * stride; }
+  S* array(int quantity) const { return data + quantity * stride; }  ///< first entry of a quantity, by link
   Vec3<S> vector(int quantity, int k) const {
     const S* x = array(quantity) + k;
     return {x[0], x[stride], x[2 * stride]};
@@ -202,6 +202,7 @@ struct WorldRecursion {
     set(quantity + 3, k, a.v);
   }
 
+  /// The private accessors read and write one link (k) or a group of links side by side (g).
   static L load(const S* from) {
     if constexpr (kWide) {
       L to;

@@ -17,7 +17,7 @@ struct TorqueFacts {
   double lowest = 0.0;         ///< smallest position [rad] or [m]
   double highest = 0.0;
 
-  double travel() const { return highest - lowest; }
+  double travel() const { return highest - lowest; }  ///< [rad], [m]
 };
 
 /// A recording compressed in one pass: a factor for every joint and block of time, without samples.

@@ -60,14 +60,14 @@ class RegressorColumns {
   bool is_excluded(int joint, double time) const;
 
  private:
-  std::vector<MatrixXd> raw_columns(const Segment& segment, Joints joints) const;
+  std::vector<MatrixXd> raw_columns(const Segment& segment, Joints joints) const;  ///< unfiltered, (samples x parameters_of) for each joint
   MatrixXd columns_of(const EffectTerm& term, const Segment& segment, MatrixXd& load) const;
   MatrixXd torque(const Segment& segment, const VectorRef& values) const;
   template <typename Put>
   void for_channel_errors(const Segment& segment, const Put& put) const;
-  void filter(MatrixXd& columns, double dt) const;
+  void filter(MatrixXd& columns, double dt) const;  ///< in place; only with matched filtering
   void smooth_load(MatrixXd& load, double dt) const;
-  std::vector<Eigen::Index> kept_samples(const Segment& segment, Eigen::Index joint) const;
+  std::vector<Eigen::Index> kept_samples(const Segment& segment, Eigen::Index joint) const;  ///< samples of the core that become rows
 
   Model arm_;
   PreprocessingOptions options_;

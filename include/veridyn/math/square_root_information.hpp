@@ -74,12 +74,12 @@ class SquareRootInformation {
 
   using Names = std::shared_ptr<const std::vector<std::string>>;
   static const Names& no_names();
-  bool is_triangle() const { return z_.size() == size(); }
+  bool is_triangle() const { return z_.size() == size(); }  ///< true: data_ is a factor R, else unfactored rows
   bool may_defer_factorization(Eigen::Index more) const;
-  SquareRootInformation as_triangle() const;
+  SquareRootInformation as_triangle() const;  ///< the same information, factored
   void resize(Eigen::Index rows);
   Eigen::Index stored_rows() const { return z_.size(); }
-  Eigen::Index begin_of_row(Eigen::Index i) const { return i * size() - (is_triangle() ? i * (i - 1) / 2 : 0); }
+  Eigen::Index begin_of_row(Eigen::Index i) const { return i * size() - (is_triangle() ? i * (i - 1) / 2 : 0); }  ///< in data_
   Eigen::Index length_of_row(Eigen::Index i) const { return size() - (is_triangle() ? i : 0); }
   auto row(Eigen::Index i) { return data_.segment(begin_of_row(i), length_of_row(i)); }
   auto row(Eigen::Index i) const { return data_.segment(begin_of_row(i), length_of_row(i)); }

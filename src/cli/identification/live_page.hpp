@@ -16,8 +16,8 @@ class LivePage {
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
 
-  int port() const;
-  void show(const std::string& html);
+  int port() const;  ///< 0 without a page
+  void show(const std::string& html);  ///< replaces the page that browsers get
 
  private:
   class Implementation;

@@ -85,11 +85,11 @@ class Watching {
       watched_.push_back({});
       set_back_ = 0.0;
       watched_.back().source = source;
-      watch.on_step([this](const WatchState& state) { note(state); });
+      watch.on_step([this](const WatchState& state) { store_state(state); });
       if (source == "-" || request_.follow) {
-        follow(watch, source);
+        follow_source(watch, source);
       } else {
-        replay(watch, source);
+        watch_file(watch, source);
       }
       print_events(watch.finish());
       note_blindness(watch);
@@ -97,7 +97,7 @@ class Watching {
       warn_of_residual(source);
     }
     if (progress_) clear_bar();
-    write(false);
+    write_results(false);
     // Ctrl-C is the normal end of a growing source; it leaves a complete recording unfinished.
     if (interrupted != 0 && !has_growing_source(request_)) return kInterrupted;
     for (const WatchedSource& s : watched_) {
@@ -137,7 +137,7 @@ class Watching {
                                 source, list(shares), own.size() > 0 ? list(own) + " % of the recordings that it is from" : "expected at most 50 %"));
   }
 
-  void replay(Watch& watch, const std::string& source) {
+  void watch_file(Watch& watch, const std::string& source) {
     RecordingReader reader(source, recording_options_for(arm_, request_.reading));
     for (Recording rows = reader.next(kRowsAtOnce); rows.rows() > 0 && interrupted == 0;
          rows = reader.next(kRowsAtOnce)) {
@@ -162,11 +162,11 @@ class Watching {
     if (s.blind > 0.0) s.to = std::max(s.to, watch.state().heard);
   }
 
-  void follow(Watch& watch, const std::string& source) {
+  void follow_source(Watch& watch, const std::string& source) {
     auto heard = Clock::now();
     const auto go_on = [&] {
       const double silent = std::chrono::duration<double>(Clock::now() - heard).count();
-      update();
+      write_page_if_due();
       return interrupted == 0 && (request_.idle <= 0.0 || silent < request_.idle);
     };
     GrowingRecording rows(source, recording_options_for(arm_, request_.reading), go_on);
@@ -174,11 +174,11 @@ class Watching {
       heard = Clock::now();
       print_events(watch.add(row));
       note_blindness(watch);
-      update();
+      write_page_if_due();
     }
   }
 
-  void note(const WatchState& state) {
+  void store_state(const WatchState& state) {
     follow_clock(state);
     WatchedSource& s = watched_.back();
     if (s.states.empty()) s.from = state.time - 0.5 * request_.options.step;
@@ -205,13 +205,13 @@ class Watching {
     }
   }
 
-  void update() {
+  void write_page_if_due() {
     if ((request_.common.report.empty() && !live_) || Clock::now() - written_ < kPageEvery) return;
-    write(true);
+    write_results(true);
     written_ = Clock::now();
   }
 
-  void write(bool running) {
+  void write_results(bool running) {
     if (!running && !request_.common.json.empty())
       write_file(request_.common.json, to_json(watched_, arm_, running));
     if (!request_.common.report.empty() || live_) {

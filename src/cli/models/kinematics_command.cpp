@@ -62,7 +62,7 @@ struct Arm {
   InverseSolver closed_form;
 };
 
-std::string chosen(const Model& model, const std::string& asked) {
+std::string chosen_frame(const Model& model, const std::string& asked) {
   if (!asked.empty()) {
     expect_one_of("--frame", asked, frame_names(model));
     return asked;
@@ -78,7 +78,7 @@ Arm read_kinematic_arm(const std::string& robot, const std::string& frame, const
   std::optional<KinematicsExtension::Arm> known;
   if (extension.read) known = extension.read(robot);
   Model model = known ? std::move(known->model) : read_model(robot);
-  std::string at = chosen(model, frame);
+  std::string at = chosen_frame(model, frame);
   const bool closed = known && at == "tip";
   return {std::move(model), std::move(at), closed ? known->closed_form : InverseSolver{}};
 }
@@ -88,7 +88,7 @@ struct Times {
   VectorXd values;
 };
 
-KinematicTable forward(const KinematicsRequest& request, const Arm& arm, Times& times) {
+KinematicTable forward_table(const KinematicsRequest& request, const Arm& arm, Times& times) {
   const std::vector<double> given = numbers_of(request.forward);
   if (!given.empty()) {
     expect_value(static_cast<int>(given.size()) == arm.model.joints(), "--forward", "found ",
@@ -156,7 +156,7 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
   std::optional<Busy> busy(std::in_place, request.common, "computing postures");
   KinematicTable table = request.workspace > 0
                              ? sample_workspace(arm.model, arm.frame, request.workspace)
-                         : request.inverse.empty() ? forward(request, arm, times)
+                         : request.inverse.empty() ? forward_table(request, arm, times)
                                                    : inverse(request, arm, times);
   table.has_time = times.has;
   for (std::size_t k = 0; times.has && k < table.rows.size(); ++k)

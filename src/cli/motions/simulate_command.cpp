@@ -141,7 +141,7 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   return kDone;
 }
 
-std::string footer() {
+std::string presets_help() {
   std::string out = "Noise presets (turning joints / sliding joints):\n";
   for (const std::string& name : sensor_noise_names()) {
     const std::string words = name == "none" ? "ideal" : describe(sensor_noise(name));
@@ -205,7 +205,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
   add_control_options(command, *request);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.footer(footer());
+  command.footer(presets_help());
   command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 

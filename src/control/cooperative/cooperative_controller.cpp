@@ -51,6 +51,7 @@ void check(const CooperativeOptions& o, std::size_t tips) {
   }
 }
 
+// The options; throws InvalidInput if they do not fit the number of tips.
 CooperativeOptions checked(const CooperativeOptions& options, std::size_t tips) {
   check(options, tips);
   return options;

@@ -71,7 +71,7 @@ bool MotionSearch::is_within(const VectorXd& x, const Bounds& bounds) const {
   return !tighten_bounds(x, same);
 }
 
-std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found& found) const {
+std::vector<VectorXd> MotionSearch::drawn_starts(int start, const Bounds& bounds, Found& found) const {
   RandomNumbers random(options_.seed, static_cast<unsigned>(start));
   const bool only = options_.solver == ExcitationSolver::kRandom;
   const int draws = only ? options_.iterations : kDraws;
@@ -93,7 +93,7 @@ std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found&
   return out;
 }
 
-std::vector<VectorXd> MotionSearch::descents(const std::vector<VectorXd>& from, const Bounds& bounds,
+std::vector<VectorXd> MotionSearch::best_descents(const std::vector<VectorXd>& from, const Bounds& bounds,
                                           int start, Found& found) const {
   std::vector<std::pair<double, VectorXd>> ends;
   for (const VectorXd& x : from) {
@@ -206,13 +206,13 @@ VectorXd MotionSearch::track_minimum(VectorXd x, int start, Found& found) const 
 Found MotionSearch::run(int start) const {
   Found found;
   const Bounds bounds = signal_bounds();
-  std::vector<VectorXd> from = draw(start, bounds, found);
+  std::vector<VectorXd> from = drawn_starts(start, bounds, found);
   found.nearest = from.front();
   if (options_.solver == ExcitationSolver::kRandom) {
     if (is_within(from.front(), bounds)) found.ends = {from.front()};
     return found;
   }
-  from = descents(from, bounds, start, found);
+  from = best_descents(from, bounds, start, found);
   for (const VectorXd& x : from) {
     const VectorXd end = track_minimum(x, start, found);
     if (end.size() > 0) found.ends.push_back(end);

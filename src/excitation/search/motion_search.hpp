@@ -28,7 +28,7 @@ class MotionSearch {
                const ExcitationOptions& options, const NonlinearSolver& solver,
                SearchProgress& progress);
 
-  Found run(int start) const;
+  Found run(int start) const;  ///< searches from start 0, 1, ...
 
   /// Approximate number of iterations of one start, without repeated descents.
   static int expected_iterations(const ExcitationOptions& options);
@@ -45,24 +45,24 @@ class MotionSearch {
   struct Bounds {
     VectorXd lower, upper;  ///< bounds of every signal
   };
-  Bounds signal_bounds() const;
-  bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
-  double smooth_cost(const VectorXd& x, double sharpness) const;
-  bool is_within(const VectorXd& x, const Bounds& bounds) const;
+  Bounds signal_bounds() const;  ///< limits of all signals; torques with a margin
+  bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }  ///< limits beyond those of the joints
+  double smooth_cost(const VectorXd& x, double sharpness) const;  ///< differentiable criterion
+  bool is_within(const VectorXd& x, const Bounds& bounds) const;  ///< true: x is within the limits at all instants
   using Spans = std::vector<GridConstraints::Span>;
   struct Descent {
     double sharpness;
     int iterations;
     Spans spans{};
   };
-  std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
-  std::vector<VectorXd> descents(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
+  std::vector<VectorXd> drawn_starts(int start, const Bounds& bounds, Found& found) const;  ///< random starting points, the best first
+  std::vector<VectorXd> best_descents(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
                               Found& found) const;
-  VectorXd track_minimum(VectorXd x, int start, Found& found) const;
+  VectorXd track_minimum(VectorXd x, int start, Found& found) const;  ///< follows the minimum as the sharpness rises; empty: outside of the limits
   VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
   VectorXd projected_into_limits(const VectorXd& from, const Bounds& bounds) const;
-  bool tighten_bounds(const VectorXd& x, Bounds& bounds) const;
+  bool tighten_bounds(const VectorXd& x, Bounds& bounds) const;  ///< by the violations of x between grid instants; false: x has none
 
   const MotionSpace& space_;
   const LimitSignals& signals_;

@@ -16,13 +16,13 @@ class MotionSpace {
   MotionSpace(MotionLimits limits, int harmonics, double frequency);
 
   int joints() const { return static_cast<int>(middle_.size()); }
-  int per_joint() const { return 2 * harmonics_ - 1; }
-  int size() const { return joints() * per_joint(); }
-  double frequency() const { return frequency_; }
+  int per_joint() const { return 2 * harmonics_ - 1; }  ///< number of coordinates of one joint
+  int size() const { return joints() * per_joint(); }  ///< number of coordinates
+  double frequency() const { return frequency_; }  ///< [Hz]
   int harmonics() const { return harmonics_; }
   const MotionLimits& limits() const { return limits_; }
 
-  FourierTrajectory trajectory(const VectorXd& x) const;
+  FourierTrajectory trajectory(const VectorXd& x) const;  ///< the motion with coordinates x
 
   /// Motion per unit of a joint's coordinates at some instants, before its size is applied:
   /// (rows x per_joint) each.

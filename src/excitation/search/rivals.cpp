@@ -59,7 +59,7 @@ Columns channel_columns(const Model& arm, const KnownRival& rival, const Channel
   return out;
 }
 
-bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) {
+bool is_effect_on_joint(const EffectTerm& term, const std::string& effect, JointIndex joint) {
   return term.effect == effect &&
          term.axis.coefficients == VectorXd::Unit(term.axis.coefficients.size(), joint.value);
 }
@@ -76,7 +76,7 @@ std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {
   return choices;
 }
 
-AxisMotion within_limits(const Model& arm, JointIndex joint) {
+AxisMotion motion_range_of(const Model& arm, JointIndex joint) {
   const MotionLimits limits = motion_limits(arm);
   AxisMotion m;
   const int i = joint.value;
@@ -92,13 +92,13 @@ AxisMotion within_limits(const Model& arm, JointIndex joint) {
 std::vector<EffectTerm> effect_terms(const Model& arm, const std::string& effect,
                                      JointIndex joint) {
   for (const EffectTerm& own : arm.effects()) {
-    if (is_on(own, effect, joint)) return {own};
+    if (is_effect_on_joint(own, effect, joint)) return {own};
   }
   EffectTerm term;
   term.effect = effect;
   term.axis.coefficients = VectorXd::Unit(arm.joints(), joint.value);
   std::vector<EffectTerm> out;
-  for (const ShapeChoice& choice : thinned(find_effect(effect).grid(within_limits(arm, joint)))) {
+  for (const ShapeChoice& choice : thinned(find_effect(effect).grid(motion_range_of(arm, joint)))) {
     term.values = choice;
     for (const EffectShape& shape : find_effect(effect).shapes()) {
       const auto value = term.values.find(shape.name);
@@ -163,7 +163,7 @@ Model without_rivals(const Model& arm, const std::array<KnownRival, 2>& rivals) 
     if (!EffectFacts(arm, term).has_values()) return false;
     return std::any_of(rivals.begin(), rivals.end(), [&term](const KnownRival& rival) {
       const auto* effect = std::get_if<NewEffect>(&rival.cause);
-      return effect != nullptr && is_on(term, effect->effect, effect->joint);
+      return effect != nullptr && is_effect_on_joint(term, effect->effect, effect->joint);
     });
   };
   rest.effects.erase(std::remove_if(rest.effects.begin(), rest.effects.end(), is_rival),

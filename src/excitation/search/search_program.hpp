@@ -31,8 +31,8 @@ class GridConstraints {
   const std::vector<std::pair<int, int>>& pattern() const { return pattern_; }
   /// Number of rows of the joints' ranges, speeds and accelerations, which come first.
   int joint_rows() const { return joint_rows_; }
-  VectorXd values(const VectorXd& x) const;
-  VectorXd jacobian(const VectorXd& x) const;
+  VectorXd values(const VectorXd& x) const;  ///< of all constraints
+  VectorXd jacobian(const VectorXd& x) const;  ///< nonzero entries in the order of pattern()
 
   /// The largest violation of the bounds at x, relative to the scale, and its signal.
   struct Violation {

@@ -65,6 +65,7 @@ struct BoundSide {
         bound(limits.array().isFinite().select(limits.array(), 0.0)),
         sign(direction) {}
 
+  // Distance of s from the bounds; 1 where there is none.
   Eigen::ArrayXd distance(const VectorXd& s) const {
     return exists * (sign * (bound - s.array())) + (1.0 - exists);
   }

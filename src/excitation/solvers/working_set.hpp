@@ -27,7 +27,7 @@ class WorkingSet final : public NonlinearProgram {
       chosen_[r] = true;
       ++added;
     }
-    if (added > 0 || rows_.empty()) rebuild();
+    if (added > 0 || rows_.empty()) rebuild_rows();
     return added;
   }
 
@@ -36,18 +36,18 @@ class WorkingSet final : public NonlinearProgram {
   VectorXd gradient(const VectorXd& x) override { return whole_.gradient(x); }
   const VectorXd& lower() const override { return lower_; }
   const VectorXd& upper() const override { return upper_; }
-  VectorXd constraints(const VectorXd& x) override { return at(whole_.constraints(x), rows_); }
+  VectorXd constraints(const VectorXd& x) override { return selected_entries(whole_.constraints(x), rows_); }
   const std::vector<std::pair<int, int>>& pattern() const override { return pattern_; }
-  VectorXd jacobian(const VectorXd& x) override { return at(whole_.jacobian(x), entries_); }
+  VectorXd jacobian(const VectorXd& x) override { return selected_entries(whole_.jacobian(x), entries_); }
 
  private:
-  static VectorXd at(const VectorXd& all, const std::vector<Eigen::Index>& places) {
+  static VectorXd selected_entries(const VectorXd& all, const std::vector<Eigen::Index>& places) {
     VectorXd out(places.size());
     for (size_t k = 0; k < places.size(); ++k) out[static_cast<Eigen::Index>(k)] = all[places[k]];
     return out;
   }
 
-  void rebuild() {
+  void rebuild_rows() {
     rows_.clear();
     entries_.clear();
     pattern_.clear();
@@ -57,8 +57,8 @@ class WorkingSet final : public NonlinearProgram {
       place[r] = static_cast<int>(rows_.size());
       rows_.push_back(static_cast<Eigen::Index>(r));
     }
-    lower_ = at(whole_.lower(), rows_);
-    upper_ = at(whole_.upper(), rows_);
+    lower_ = selected_entries(whole_.lower(), rows_);
+    upper_ = selected_entries(whole_.upper(), rows_);
     const auto& all = whole_.pattern();
     for (size_t e = 0; e < all.size(); ++e) {
       const int row = place[all[e].first];

@@ -22,7 +22,7 @@ constexpr int kMemory = 3;  // number of doubles in the memory of an effect
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
-std::string identifier(const std::string& name) {
+std::string c_identifier(const std::string& name) {
   std::string out;
   for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   if (out.empty() || std::isdigit(static_cast<unsigned char>(out.front())) != 0) out = "arm_" + out;
@@ -53,7 +53,7 @@ std::string linear_form(const Axis& axis, const char* variable, double offset) {
 
 class CWriter {
  public:
-  explicit CWriter(const Model& arm) : arm_(arm), tree_(arm, Tree::Keep::kMovingLinks), name_(identifier(arm.name())) {
+  explicit CWriter(const Model& arm) : arm_(arm), tree_(arm, Tree::Keep::kMovingLinks), name_(c_identifier(arm.name())) {
     const auto phi = arm.inertial_values();
     require(phi.has_value(), "export: arm '", arm.name(),
             "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
@@ -72,30 +72,30 @@ class CWriter {
   }
 
   std::string code() {
-    rigid_bodies();
-    friction();
-    torque();
+    write_rigid_bodies();
+    write_friction();
+    write_torque();
     const std::string functions = std::exchange(out_, {});
-    head();
-    constants();
+    write_head();
+    write_constants();
     write_helpers();
     out_ += functions;
     write_double_wrappers();
-    line("#endif");
+    write_line("#endif");
     return std::move(out_);
   }
 
  private:
-  void line(const std::string& content) { out_ += content + "\n"; }
+  void write_line(const std::string& content) { out_ += content + "\n"; }
 
-  void head() {
-    line(fmt::format("/* Torques of {}, written by veridyn {}.", safe_c_text(arm_.name()),
+  void write_head() {
+    write_line(fmt::format("/* Torques of {}, written by veridyn {}.", safe_c_text(arm_.name()),
                      VERIDYN_VERSION));
-    line(" * C99 and C++, without dependencies. SI units: rad, m, kg, N m, N, s.");
-    line(fmt::format(" * In C numbers are doubles, or what {}_real was defined as before; in C++", name_));
-    line(" * the functions are templates over double and float. Matrices are by rows.");
-    for (const std::string& one : left_out_) line(" * Left out: " + safe_c_text(one) + ".");
-    line(fmt::format(R"( *
+    write_line(" * C99 and C++, without dependencies. SI units: rad, m, kg, N m, N, s.");
+    write_line(fmt::format(" * In C numbers are doubles, or what {}_real was defined as before; in C++", name_));
+    write_line(" * the functions are templates over double and float. Matrices are by rows.");
+    for (const std::string& one : left_out_) write_line(" * Left out: " + safe_c_text(one) + ".");
+    write_line(fmt::format(R"( *
  * memory: {0}_memory numbers of the caller's, one array for each running loop, in which effects with
  * a memory (friction before sliding, backlash) keep where they are. Zeros begin afresh: clear the
  * array before the first cycle and after every pause; nothing else is to be done with it. A cycle:
@@ -107,15 +107,15 @@ class CWriter {
  * whose noise does so at rest, it chatters. Give the wanted velocity, or define {0}_rest_speed before
  * this file as what the noise does not exceed; below it friction is proportional to the velocity.)", name_));
     const std::vector<std::string> errors = JointSensors(arm_).descriptions(arm_);
-    if (!errors.empty()) line(" * As the model knows the sensors of this arm, to be taken off before and put on after:");
-    for (const std::string& one : errors) line(" *   " + safe_c_text(one));
-    line(" */");
-    line(fmt::format("#ifndef VERIDYN_{0}\n#define VERIDYN_{0}\n\n#include <math.h>\n", name_));
-    line(fmt::format("#ifndef {}_API", name_));
-    line(fmt::format("#ifdef __cplusplus\n#define {0}_API extern \"C\"\n#else\n#define {0}_API\n"
+    if (!errors.empty()) write_line(" * As the model knows the sensors of this arm, to be taken off before and put on after:");
+    for (const std::string& one : errors) write_line(" *   " + safe_c_text(one));
+    write_line(" */");
+    write_line(fmt::format("#ifndef VERIDYN_{0}\n#define VERIDYN_{0}\n\n#include <math.h>\n", name_));
+    write_line(fmt::format("#ifndef {}_API", name_));
+    write_line(fmt::format("#ifdef __cplusplus\n#define {0}_API extern \"C\"\n#else\n#define {0}_API\n"
                      "#endif\n#endif\n",
                      name_));
-    line(fmt::format("#ifdef __cplusplus\n#define {0}_FUNCTION template <typename {0}_real> inline\n"
+    write_line(fmt::format("#ifdef __cplusplus\n#define {0}_FUNCTION template <typename {0}_real> inline\n"
                      "#define {0}_sin(x) sin(x)\n#define {0}_cos(x) cos(x)\n"
                      "#else\n#ifndef {0}_real\n#define {0}_real double\n#endif\n"
                      "#define {0}_FUNCTION {0}_API\n"
@@ -125,27 +125,27 @@ class CWriter {
                      name_));
   }
 
-  void constants() {
+  void write_constants() {
     const std::size_t bodies = arm_.bodies().size();
-    line(fmt::format("enum {{ {0}_joints = {1}, {0}_bodies = {2}, {0}_parameters = {3}, "
+    write_line(fmt::format("enum {{ {0}_joints = {1}, {0}_bodies = {2}, {0}_parameters = {3}, "
                      "{0}_memory = {4} }};\n",
                      name_, arm_.joints(), bodies, kBodyParameters * bodies,
                      std::max<std::size_t>(1, kMemory * effects_.size())));
-    line("/* Coordinates, in the order of q, dq, ddq and tau. */");
-    line(fmt::format("static const char* const {0}_joint_names[{0}_joints] = {{", name_));
-    for (const Coordinate& c : arm_.coordinates()) line("  \"" + safe_c_text(c.name) + "\",");
-    line("};\n");
-    line("/* Inertial parameters, in the order of the regressor's columns: mass [kg], mass times");
-    line("   centre [kg m], inertia about the frame's origin [kg m^2]. */");
-    line(fmt::format("static const double {0}_phi[{0}_parameters] = {{", name_));
-    for (Eigen::Index j = 0; j < phi_.size(); ++j) line("  " + c_number(phi_[j]) + ",");
-    line("};\n");
-    line(fmt::format("static const char* const {0}_parameter_names[{0}_parameters] = {{", name_));
+    write_line("/* Coordinates, in the order of q, dq, ddq and tau. */");
+    write_line(fmt::format("static const char* const {0}_joint_names[{0}_joints] = {{", name_));
+    for (const Coordinate& c : arm_.coordinates()) write_line("  \"" + safe_c_text(c.name) + "\",");
+    write_line("};\n");
+    write_line("/* Inertial parameters, in the order of the regressor's columns: mass [kg], mass times");
+    write_line("   centre [kg m], inertia about the frame's origin [kg m^2]. */");
+    write_line(fmt::format("static const double {0}_phi[{0}_parameters] = {{", name_));
+    for (Eigen::Index j = 0; j < phi_.size(); ++j) write_line("  " + c_number(phi_[j]) + ",");
+    write_line("};\n");
+    write_line(fmt::format("static const char* const {0}_parameter_names[{0}_parameters] = {{", name_));
     for (const int k : arm_.bodies()) {
       for (const char* symbol : kSymbols)
-        line(fmt::format("  \"{}_{}\",", symbol, safe_c_text(arm_.frames()[k].name)));
+        write_line(fmt::format("  \"{}_{}\",", symbol, safe_c_text(arm_.frames()[k].name)));
     }
-    line("};\n");
+    write_line("};\n");
   }
 
   // Writes those helper functions of WrittenInC::c_columns() that the functions call.
@@ -153,7 +153,7 @@ class CWriter {
     const auto called = [&](const char* helper) { return called_.count(helper) != 0; };
     const bool contact = called("contact");
     if (called("direction")) {
-      line(fmt::format(R"(/* The sign of a velocity, a straight line below {0}_rest_speed rad/s or m/s. */
+      write_line(fmt::format(R"(/* The sign of a velocity, a straight line below {0}_rest_speed rad/s or m/s. */
 #ifndef {0}_rest_speed
 #define {0}_rest_speed {1}
 #endif
@@ -165,14 +165,14 @@ static double {0}_direction(double ds) {{
                        name_, c_number(kRestSpeed)));
     }
     if (contact || called("clamp")) {
-      line(fmt::format(R"(static double {0}_clamp(double x) {{
+      write_line(fmt::format(R"(static double {0}_clamp(double x) {{
   return x < -1.0 ? -1.0 : x > 1.0 ? 1.0 : x;
 }}
 )",
                        name_));
     }
     if (contact || called("step")) {
-      line(fmt::format(R"(/* The way since the call before. */
+      write_line(fmt::format(R"(/* The way since the call before. */
 static double {0}_step(double s, double* z) {{
   const double step = z[2] != 0.0 ? s - z[1] : 0.0;
   z[1] = s;
@@ -183,7 +183,7 @@ static double {0}_step(double s, double* z) {{
                        name_));
     }
     if (contact) {
-      line(fmt::format(R"(/* How far a contact is sheared, -1 to 1 (Dahl). */
+      write_line(fmt::format(R"(/* How far a contact is sheared, -1 to 1 (Dahl). */
 static double {0}_contact(double s, double distance, double* z) {{
   const double step = {0}_step(s, z);
   const double side = step < 0.0 ? -1.0 : 1.0;
@@ -232,7 +232,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     this->write_function(what, function, in, out, first + program.statements(results));
   }
 
-  void rigid_bodies() {
+  void write_rigid_bodies() {
     const int n = arm_.joints();
     const auto p = static_cast<Eigen::Index>(kBodyParameters * arm_.bodies().size());
     write_traced_function("tau = M(q) ddq + C(q, dq) dq + g(q): the rigid bodies.", "inverse_dynamics",
@@ -274,7 +274,7 @@ static double {0}_contact(double s, double distance, double* z) {{
            "  (void)@phi, (void)@joint_names, (void)@parameter_names;\n");
   }
 
-  // Writes a function with the array arguments `in` and `out`. The text of torque() explains the effects' memory.
+  // Writes a function with the array arguments `in` and `out`. The text of write_torque() explains the effects' memory.
   void write_function(const std::string& what, const std::string& name,
                 const std::vector<const char*>& in, const std::vector<const char*>& out,
                 const std::string& body) {
@@ -287,11 +287,11 @@ static double {0}_contact(double s, double distance, double* z) {{
       }
       return list.substr(0, list.size() - 2);
     };
-    line("/* " + what + " */");
-    line(fmt::format("{0}_FUNCTION void {0}_{1}({2}) {{", name_, name, arguments(name_ + "_real")));
-    line(fmt::format("  typedef {}_real R;", name_));
-    line("  (void)sizeof(R);");
-    for (const char* one : in) line(fmt::format("  (void){};", one));
+    write_line("/* " + what + " */");
+    write_line(fmt::format("{0}_FUNCTION void {0}_{1}({2}) {{", name_, name, arguments(name_ + "_real")));
+    write_line(fmt::format("  typedef {}_real R;", name_));
+    write_line("  (void)sizeof(R);");
+    for (const char* one : in) write_line(fmt::format("  (void){};", one));
     for (const char* helper : {"direction", "clamp", "step", "contact"}) {
       if (body.find(std::string("@") + helper + "(") != std::string::npos) called_.insert(helper);
     }
@@ -299,7 +299,7 @@ static double {0}_contact(double s, double distance, double* z) {{
       if (c == '@') out_ += name_ + "_";
       else out_ += c;
     }
-    line("}\n");
+    write_line("}\n");
     std::string passed;
     for (const auto* list : {&in, &out}) {
       for (const char* one : *list) passed += (passed.empty() ? "" : ", ") + std::string(one);
@@ -309,9 +309,9 @@ static double {0}_contact(double s, double distance, double* z) {{
   }
 
   void write_double_wrappers() {
-    line("#ifdef __cplusplus\n/* For C and for whoever loads the compiled file. */");
+    write_line("#ifdef __cplusplus\n/* For C and for whoever loads the compiled file. */");
     out_ += for_doubles_;
-    line("#endif\n");
+    write_line("#endif\n");
   }
 
   // Writes one effect: its columns at this state, times its values, along its axis.
@@ -355,7 +355,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     return out + "  }\n";
   }
 
-  void friction() {
+  void write_friction() {
     bool loaded = false;
     for (const EffectFacts& one : effects_) loaded = loaded || one.traits().uses_load;
     std::string body = "  int i;\n";
@@ -369,7 +369,7 @@ static double {0}_contact(double s, double distance, double* z) {{
              {"memory", "tau"}, body);
   }
 
-  void torque() {
+  void write_torque() {
     write_function("The whole torque of the motors.", "torque", {"q", "dq", "ddq"}, {"memory", "tau"},
              fmt::format("  int i;\n  R rigid[{0}_joints];\n"
                          "  {0}_inverse_dynamics(q, dq, ddq, rigid);\n"

@@ -38,7 +38,7 @@ SimpleForce simple_force(const EffectFacts& effect) {
   return out;
 }
 
-bool is_nothing(const SimpleForce& f) {
+bool is_zero_force(const SimpleForce& f) {
   return f.offset == 0.0 && f.stiffness == 0.0 && f.damping == 0.0 && f.inertia == 0.0 &&
          f.friction == 0.0;
 }
@@ -48,7 +48,8 @@ bool has_negative_value(const SimpleForce& f) {
   return f.stiffness < 0.0 || f.damping < 0.0 || f.inertia < 0.0 || f.friction < 0.0;
 }
 
-bool is_written(const EffectFacts& effect) {
+// True if a simulator's joint elements can represent the effect.
+bool can_be_written(const EffectFacts& effect) {
   const EffectTraits& t = effect.traits();
   const bool own = !t.uses_source && !t.uses_load && !t.depends_on_time && !t.memory;
   return own && (t.affine || t.dry == DryFriction::kConstant);
@@ -84,7 +85,7 @@ KnownEffects known_effects(const Model& arm) {
   for (const EffectTerm& term : arm.arm_effects()) out.left_out.push_back(term.effect + " on the arm");
   for (const EffectTerm& term : arm.effects()) {
     const EffectFacts effect(arm, term);
-    if (!effect.has_values() || !is_written(effect)) {
+    if (!effect.has_values() || !can_be_written(effect)) {
       out.left_out.push_back(term.effect + " on " + axis_text(arm, term.axis) +
                              (effect.has_values() ? "" : ", whose values are not known"));
       continue;
@@ -94,7 +95,7 @@ KnownEffects known_effects(const Model& arm) {
       out.left_out.push_back(term.effect + " on " + axis_text(arm, term.axis) + ", which is below zero");
       continue;
     }
-    if (is_nothing(force)) continue;
+    if (is_zero_force(force)) continue;
     const auto same = std::find_if(out.forces.begin(), out.forces.end(), [&](const SimpleForce& f) {
       return f.axis.coefficients == force.axis.coefficients;
     });

@@ -129,7 +129,7 @@ class MjcfWriter {
       if (remarks_.count(frame_name(k)) > 0) add_comment(body, remarks_.at(frame_name(k)));
       add_inertial(body, k);
       if (l.type != JointType::kFixed) {
-        joint(body, joint_name(k), turns, plain_coordinate(k),
+        add_joint(body, joint_name(k), turns, plain_coordinate(k),
               main_link_of(plain_coordinate(k)) == k);
       }
       add_site(body, k, l.B);
@@ -177,10 +177,10 @@ class MjcfWriter {
     pugi::xml_node body = world.append_child("body");
     set(body, "name", c.name + "__coordinate");
     exclude_from_collision(body.append_child("inertial"));
-    joint(body, c.name, !c.prismatic, i, true);
+    add_joint(body, c.name, !c.prismatic, i, true);
   }
 
-  void joint(pugi::xml_node body, const std::string& name, bool turns, int coordinate, bool main) {
+  void add_joint(pugi::xml_node body, const std::string& name, bool turns, int coordinate, bool main) {
     pugi::xml_node node = body.append_child("joint");
     set(node, "name", name);
     set(node, "type", std::string(turns ? "hinge" : "slide"));
@@ -191,10 +191,10 @@ class MjcfWriter {
       set(node, "limited", std::string("true"));
       set(node, "range", xml_number(limits.lower) + " " + xml_number(limits.upper));
     }
-    along_joint(node, placed_.along[at(coordinate)]);
+    set_joint_forces(node, placed_.along[at(coordinate)]);
   }
 
-  void along_joint(pugi::xml_node node, const SimpleForce& f) {
+  void set_joint_forces(pugi::xml_node node, const SimpleForce& f) {
     if (f.damping != 0.0) set(node, "damping", f.damping);
     if (f.inertia != 0.0) set(node, "armature", f.inertia);
     if (f.friction != 0.0) set(node, "frictionloss", f.friction);
@@ -246,7 +246,7 @@ class MjcfWriter {
     pugi::xml_node body = world.append_child("body");
     set(body, "name", name);
     exclude_from_collision(body.append_child("inertial"));
-    joint(body, name + "__joint", true, -1, false);
+    add_joint(body, name + "__joint", true, -1, false);
     set(body.child("joint"), "armature", f.inertia);
     add_coupling(name, name + "__joint", f.axis.coefficients);
   }

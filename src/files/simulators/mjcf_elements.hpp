@@ -31,11 +31,11 @@ class MjcfElements {
 
   /// An attribute of an element, or that of its class' defaults.
   pugi::xml_attribute given(pugi::xml_node node, const char* name) const;
-  double number(pugi::xml_node node, const char* name, double otherwise) const;
+  double number(pugi::xml_node node, const char* name, double otherwise) const;  ///< of an attribute, or `otherwise` without it
   std::vector<double> numbers(pugi::xml_node node, const char* name, int least, int most) const;
 
   double angle() const { return angle_; }  ///< [rad] per unit of angle in the file
-  Eigen::Isometry3d pose(pugi::xml_node node) const;
+  Eigen::Isometry3d pose(pugi::xml_node node) const;  ///< in the frame of its parent
 
   /// True if the range of a joint or actuator is a limit.
   bool limited(pugi::xml_node node, const char* name) const;
@@ -55,7 +55,7 @@ class MjcfElements {
   Eigen::Vector3d direction(pugi::xml_node node, const char* name, const std::vector<double>& v) const;
   Eigen::Matrix3d orientation(pugi::xml_node node) const;
   std::optional<Body> inertia_of_geoms(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;
-  std::optional<Body> geom(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;
+  std::optional<Body> geom(pugi::xml_node node, const Eigen::Isometry3d& T_frame_body) const;  ///< body of one geom; none without mass
 
   pugi::xml_attribute setting_of(pugi::xml_node defaults, const char* element, const char* name) const;
 

@@ -31,9 +31,9 @@ class MjcfReader : private MjcfElements {
     read_actuators();
     variables_ = joint_variables(xml_, joints_, model_.coordinates);
     finish_frames();
-    for (std::size_t j = 0; j < joints_.size(); ++j) joint_effects(j);
+    for (std::size_t j = 0; j < joints_.size(); ++j) read_joint_effects(j);
     read_tendons();
-    for (const auto& [joint, bias] : biases_) constant_force(joint, bias);
+    for (const auto& [joint, bias] : biases_) add_constant_force(joint, bias);
     return Model(std::move(model_));
   }
 
@@ -70,14 +70,14 @@ class MjcfReader : private MjcfElements {
   void children(pugi::xml_node above, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T, bool moves) {
     for (const pugi::xml_node node : above.children()) {
       const std::string kind = node.name();
-      if (kind == "body") body(node, parent, T, moves);
+      if (kind == "body") read_body(node, parent, T, moves);
       if (kind == "frame") {
         for (const char* inner : {"joint", "freejoint", "inertial"}) {
           if (const pugi::xml_node in = node.child(inner)) xml_.fail(in, text("<", inner, "> in a <frame>"), "it in its body");
         }
         children(node, parent, T * pose(node), moves);
       }
-      if (kind == "site" && *node.attribute("name").value() != 0 && !is_body_site(node)) site(node, parent, T * pose(node));
+      if (kind == "site" && *node.attribute("name").value() != 0 && !is_body_site(node)) read_site(node, parent, T * pose(node));
       if (kind == "composite" || kind == "flexcomp" || kind == "replicate")
         xml_.fail(node, "<" + kind + ">", "bodies, joints and geoms one by one");
     }
@@ -89,7 +89,7 @@ class MjcfReader : private MjcfElements {
            std::strcmp(node.attribute("name").value(), node.parent().attribute("name").value()) == 0;
   }
 
-  void site(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T) {
+  void read_site(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& T) {
     Frame frame;
     frame.name = unique_name(node.attribute("name").value());
     frame.parent = parent;
@@ -97,7 +97,7 @@ class MjcfReader : private MjcfElements {
     add_frame(std::move(frame), -1);
   }
 
-  void body(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& before, bool moves) {
+  void read_body(pugi::xml_node node, std::optional<FrameIndex> parent, const Eigen::Isometry3d& before, bool moves) {
     if (node.child("freejoint")) xml_.fail(node.child("freejoint"), "a body that moves freely", "arms on a fixed base");
     if (const pugi::xml_attribute a = node.attribute("gravcomp"); a && xml_.number(node, "gravcomp", a.value()) != 0.0)
       xml_.fail(node, "gravity compensation of a body (gravcomp)", "none: motors carry the weight");
@@ -175,6 +175,7 @@ class MjcfReader : private MjcfElements {
     xml_.fail(at, text(attribute, " '", name, "'"), "the name of a hinge or slide");
   }
 
+  // [rad], [m] joint position in the pose of the file.
   double reference_position(int joint) const {
     const FileJoint& j = joints_[joint];
     return (j.turns ? angle() : 1.0) * number(j.node, "ref", 0.0);
@@ -299,7 +300,7 @@ class MjcfReader : private MjcfElements {
     }
   }
 
-  void checked_effect(pugi::xml_node at, const char* attribute, const char* effect, Axis axis, double value) {
+  void add_nonnegative_effect(pugi::xml_node at, const char* attribute, const char* effect, Axis axis, double value) {
     if (value < 0.0) xml_.fail(at, text("a ", attribute, " of ", value), "one that is not negative");
     if (axis.coefficients.isZero(0.0)) return;
     if (std::strcmp(effect, "stiffness") != 0) axis.offset = 0.0;
@@ -308,15 +309,15 @@ class MjcfReader : private MjcfElements {
 
   // Reads the forces that joints and fixed tendons of MuJoCo have in common.
   void passive_forces(pugi::xml_node node, const Axis& axis, double rest) {
-    checked_effect(node, "damping", "damping", axis, number(node, "damping", 0.0));
-    checked_effect(node, "frictionloss", "friction", axis, number(node, "frictionloss", 0.0));
-    checked_effect(node, "stiffness", "stiffness", {axis.coefficients, axis.offset - rest}, number(node, "stiffness", 0.0));
+    add_nonnegative_effect(node, "damping", "damping", axis, number(node, "damping", 0.0));
+    add_nonnegative_effect(node, "frictionloss", "friction", axis, number(node, "frictionloss", 0.0));
+    add_nonnegative_effect(node, "stiffness", "stiffness", {axis.coefficients, axis.offset - rest}, number(node, "stiffness", 0.0));
   }
 
-  void joint_effects(std::size_t j) {
+  void read_joint_effects(std::size_t j) {
     const FileJoint& joint = joints_[j];
     passive_forces(joint.node, variables_[j], spring_reference(static_cast<int>(j)));
-    checked_effect(joint.node, "armature", "armature", variables_[j], number(joint.node, "armature", 0.0));
+    add_nonnegative_effect(joint.node, "armature", "armature", variables_[j], number(joint.node, "armature", 0.0));
   }
 
   void read_tendons() {
@@ -344,7 +345,7 @@ class MjcfReader : private MjcfElements {
     }
   }
 
-  void constant_force(int joint, double value) {
+  void add_constant_force(int joint, double value) {
     Axis axis = variables_[joint];
     axis.offset = 0.0;
     if (!axis.coefficients.isZero(0.0)) add_effect(model_, xml_.path(), "offset", axis, value);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kLeastSdfMass = 1e-9;      // [kg]
 constexpr double kNoInertia = 1e-12;  // [kg m^2]
 
-void element(pugi::xml_node above, const char* name, const std::string& content) {
+void add_element(pugi::xml_node above, const char* name, const std::string& content) {
   above.append_child(name).text().set(content.c_str());
 }
 
@@ -50,8 +50,8 @@ class SdfWriter {
     for (const pugi::xml_node node : robot.children()) {
       if (node.type() == pugi::node_comment) add_comment(model_, trimmed(node.value()));
     }
-    for (const pugi::xml_node node : robot.children("link")) link(node);
-    for (const pugi::xml_node node : robot.children("joint")) joint(node);
+    for (const pugi::xml_node node : robot.children("link")) add_link(node);
+    for (const pugi::xml_node node : robot.children("joint")) add_joint(node);
     return xml_text(sdf_);
   }
 
@@ -72,7 +72,7 @@ class SdfWriter {
     return own;
   }
 
-  void link(pugi::xml_node from) {
+  void add_link(pugi::xml_node from) {
     const std::string name = from.attribute("name").value();
     if (name == "world") return;
     pugi::xml_node to = model_.append_child("link");
@@ -86,38 +86,38 @@ class SdfWriter {
     for (const pugi::xml_node node : from.children()) {
       if (node.type() == pugi::node_comment) add_comment(to, trimmed(node.value()));
     }
-    inertial(from.child("inertial"), to.append_child("inertial"));
+    add_inertial(from.child("inertial"), to.append_child("inertial"));
     int count = 0;
     for (const char* kind : {"visual", "collision"}) {
       for (const pugi::xml_node shape : from.children(kind)) {
         pugi::xml_node out = to.append_child(kind);
         set(out, "name", name + "_" + kind + "_" + std::to_string(++count));
-        element(out, "pose", pose_of(shape));
-        geometry(shape.child("geometry"), out.append_child("geometry"));
+        add_element(out, "pose", pose_of(shape));
+        add_geometry(shape.child("geometry"), out.append_child("geometry"));
       }
     }
   }
 
-  static void inertial(pugi::xml_node from, pugi::xml_node to) {
+  static void add_inertial(pugi::xml_node from, pugi::xml_node to) {
     const bool none = from.empty();
-    if (!none) element(to, "pose", pose_of(from));
-    element(to, "mass",
+    if (!none) add_element(to, "pose", pose_of(from));
+    add_element(to, "mass",
             none ? xml_number(kLeastSdfMass) : given(from.child("mass"), "value", "0"));
     pugi::xml_node inertia = to.append_child("inertia");
     for (const char* key : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
       const bool diagonal = key[1] == key[2];
-      element(inertia, key,
+      add_element(inertia, key,
               none ? xml_number(diagonal ? kNoInertia : 0.0)
                    : given(from.child("inertia"), key, "0"));
     }
   }
 
-  static void geometry(pugi::xml_node from, pugi::xml_node to) {
+  static void add_geometry(pugi::xml_node from, pugi::xml_node to) {
     for (const pugi::xml_node shape : from.children()) {
       pugi::xml_node out = to.append_child(shape.name());
       for (const pugi::xml_attribute attribute : shape.attributes()) {
         const bool file = std::strcmp(attribute.name(), "filename") == 0;
-        element(out, file ? "uri" : attribute.name(), attribute.value());
+        add_element(out, file ? "uri" : attribute.name(), attribute.value());
       }
     }
   }
@@ -129,7 +129,7 @@ class SdfWriter {
     });
   }
 
-  void joint(pugi::xml_node from) {
+  void add_joint(pugi::xml_node from) {
     pugi::xml_node to = model_.append_child("joint");
     const std::string type = from.attribute("type").value();
     set(to, "name", from.attribute("name").value());
@@ -138,31 +138,31 @@ class SdfWriter {
     pugi::xml_node pose = to.append_child("pose");
     set(pose, "relative_to", parent == "world" ? "__model__" : link_name(parent));
     pose.text().set(pose_of(from).c_str());
-    element(to, "parent", link_name(parent));
-    element(to, "child", link_name(from.child("child").attribute("link").value()));
+    add_element(to, "parent", link_name(parent));
+    add_element(to, "child", link_name(from.child("child").attribute("link").value()));
     if (type == "fixed") return;
     pugi::xml_node axis = to.append_child("axis");
-    element(axis, "xyz", given(from.child("axis"), "xyz", "1 0 0"));
+    add_element(axis, "xyz", given(from.child("axis"), "xyz", "1 0 0"));
     const pugi::xml_node limit = from.child("limit");
     pugi::xml_node limits = axis.append_child("limit");
     const bool turns_freely = type == "continuous" || limit.empty();
-    element(limits, "lower", turns_freely ? "-1e16" : given(limit, "lower", "-1e16"));
-    element(limits, "upper", turns_freely ? "1e16" : given(limit, "upper", "1e16"));
+    add_element(limits, "lower", turns_freely ? "-1e16" : given(limit, "lower", "-1e16"));
+    add_element(limits, "upper", turns_freely ? "1e16" : given(limit, "upper", "1e16"));
     if (limit) {
-      element(limits, "effort", given(limit, "effort", "-1"));
-      element(limits, "velocity", given(limit, "velocity", "-1"));
+      add_element(limits, "effort", given(limit, "effort", "-1"));
+      add_element(limits, "velocity", given(limit, "velocity", "-1"));
     }
     if (const pugi::xml_node dynamics = from.child("dynamics")) {
       pugi::xml_node out = axis.append_child("dynamics");
-      element(out, "damping", given(dynamics, "damping", "0"));
-      element(out, "friction", given(dynamics, "friction", "0"));
+      add_element(out, "damping", given(dynamics, "damping", "0"));
+      add_element(out, "friction", given(dynamics, "friction", "0"));
     }
     if (const pugi::xml_node mimic = from.child("mimic")) {
       pugi::xml_node out = axis.append_child("mimic");
       set(out, "joint", mimic.attribute("joint").value());
-      element(out, "multiplier", given(mimic, "multiplier", "1"));
-      element(out, "offset", given(mimic, "offset", "0"));
-      element(out, "reference", "0");
+      add_element(out, "multiplier", given(mimic, "multiplier", "1"));
+      add_element(out, "offset", given(mimic, "offset", "0"));
+      add_element(out, "reference", "0");
     }
   }
 

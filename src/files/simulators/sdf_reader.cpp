@@ -23,7 +23,7 @@ class SdfReader {
       if (const pugi::xml_node node = file_.child(kind))
         xml_.fail(node, text("<", kind, "> in a model"), "one model with all of its links (gz sdf -p prints one)");
     }
-    if (words_of(file_, "static") == "true" || words_of(file_, "static") == "1") xml_.fail(file_, "a static model", "one that moves");
+    if (text_of_child(file_, "static") == "true" || text_of_child(file_, "static") == "1") xml_.fail(file_, "a static model", "one that moves");
     if (file_.attribute("placement_frame")) xml_.fail(file_, "placement_frame", "a model placed by its own frame");
     for (const char* kind : {"link", "joint", "frame"}) {
       for (const pugi::xml_node node : file_.children(kind)) {
@@ -43,12 +43,12 @@ class SdfReader {
     for (std::size_t j = 0; j < joints_.size(); ++j) follow(j);
     variables_ = joint_variables(xml_, joints_, model_.coordinates);
     for (const pugi::xml_node node : file_.children("link")) add_link(node, 0);
-    for (std::size_t j = 0; j < joints_.size(); ++j) effects(j);
+    for (std::size_t j = 0; j < joints_.size(); ++j) read_effects(j);
     return Model(std::move(model_));
   }
 
  private:
-  static std::string words_of(pugi::xml_node node, const char* child) { return node.child(child).text().get(); }
+  static std::string text_of_child(pugi::xml_node node, const char* child) { return node.child(child).text().get(); }
 
   // Chooses the only model with moving joints; it may be in a world.
   void choose_model() {
@@ -116,7 +116,7 @@ class SdfReader {
     std::string base = pose.attribute("relative_to").value();
     if (base.empty()) base = pose.attribute("frame").value();  // name of the attribute in SDFormat 1.5 and 1.6
     if (base.empty()) {
-      base = std::strcmp(node.name(), "joint") == 0 ? words_of(node, "child") : node.attribute("attached_to").value();
+      base = std::strcmp(node.name(), "joint") == 0 ? text_of_child(node, "child") : node.attribute("attached_to").value();
       if (base.empty()) base = "__model__";
     }
     const Eigen::Isometry3d T = place_of(node, base, depth + 1);
@@ -130,7 +130,7 @@ class SdfReader {
     if (found == parts_.end() || depth > parts_.size()) xml_.fail(user, "the name '" + name + "'", "that of a link of this model");
     const pugi::xml_node node = found->second;
     if (std::strcmp(node.name(), "link") == 0) return name;
-    if (std::strcmp(node.name(), "joint") == 0) return link_of(node, words_of(node, "child"), depth + 1);
+    if (std::strcmp(node.name(), "joint") == 0) return link_of(node, text_of_child(node, "child"), depth + 1);
     const std::string base = node.attribute("attached_to").value();
     return link_of(node, base.empty() ? "__model__" : base, depth + 1);
   }
@@ -142,7 +142,7 @@ class SdfReader {
     const std::string name = node.attribute("name").value();
     if (type != "revolute" && type != "continuous" && type != "prismatic" && type != "fixed")
       xml_.fail(node, "a joint of type '" + type + "'", "revolute, continuous, prismatic or fixed");
-    const std::string child = link_of(node, words_of(node, "child"), 0);
+    const std::string child = link_of(node, text_of_child(node, "child"), 0);
     if (!above_.emplace(child, node).second)
       xml_.fail(node, "the joint '" + name + "', a second one above the link '" + child + "'", "no closed chain");
     if (type == "fixed") return;
@@ -205,7 +205,7 @@ class SdfReader {
   }
 
   void place_below(pugi::xml_node joint, Frame& frame, const Eigen::Isometry3d& T_model_link, std::size_t depth) {
-    const std::string parent = link_of(joint, words_of(joint, "parent"), 0);
+    const std::string parent = link_of(joint, text_of_child(joint, "parent"), 0);
     Eigen::Isometry3d T_parent_model = T_world_model_;
     if (parent != "world" && parent != "__model__") {
       add_link(parts_.at(parent), depth + 1);
@@ -246,7 +246,7 @@ class SdfReader {
     }
     const auto v = xml_.numbers(xyz, "xyz", xyz.text().get(), 3, 3);
     const Eigen::Vector3d u(v[0], v[1], v[2]);
-    const std::string in_model = words_of(axis, "use_parent_model_frame");
+    const std::string in_model = text_of_child(axis, "use_parent_model_frame");
     const std::string base = xyz.attribute("expressed_in").value();
     // Up to SDFormat 1.4, axes were given in the frame of the model.
     if (in_model == "true" || in_model == "1" || axes_in_model_) return R_model_joint.transpose() * u;
@@ -256,7 +256,7 @@ class SdfReader {
 
   // SDFormat gives a link without values a mass of 1 kg and moments of 1 kg m^2.
   std::optional<Body> body(pugi::xml_node link) const {
-    if (words_of(link, "gravity") == "false" || words_of(link, "gravity") == "0") xml_.fail(link, "a link without gravity", "one with it");
+    if (text_of_child(link, "gravity") == "false" || text_of_child(link, "gravity") == "0") xml_.fail(link, "a link without gravity", "one with it");
     const pugi::xml_node inertial = link.child("inertial");
     const std::string automatic = inertial.attribute("auto").value();
     if (automatic == "true" || automatic == "1") xml_.fail(inertial, "inertia computed from collisions", "its values");
@@ -274,7 +274,7 @@ class SdfReader {
     return body_of(xml_, inertial ? inertial : link, finite_number(inertial, "mass", 1.0), T, I);
   }
 
-  void effects(std::size_t j) {
+  void read_effects(std::size_t j) {
     const pugi::xml_node dynamics = joints_[j].node.child("axis").child("dynamics");
     const Axis axis{variables_[j].coefficients, 0.0};
     if (axis.coefficients.isZero(0.0)) return;

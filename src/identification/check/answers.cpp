@@ -50,11 +50,11 @@ class SetUp {
   // where it corrects the others, too.
   void learn_from(const std::string& name) {
     RobotAnswers answers = answers_of(out_.arm, name, options_, smallest_error());
-    note(answers, name);
+    note_faults(answers, name);
     std::vector<RecordingQuestion>& set = answers.set;
     if (!first_.empty() && !answers.explained && would_explain(first_, out_.arm, name, options_)) set = first_;
     set.erase(std::remove_if(set.begin(), set.end(), [this](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out_.arm); }), set.end());
-    mend(set, name);
+    adopt_corrections(set, name);
     if (!first_.empty()) return;
     std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return q.changes_recording(); });
   }
@@ -62,8 +62,8 @@ class SetUp {
   // Applies the transformations of the training recordings to a held-out recording if they correct it;
   // otherwise reports its contradictions.
   void apply_to_held_out(const std::string& name) {
-    if (!first_.empty() && would_explain(first_, out_.arm, name, options_)) mend(first_, name);
-    else note(answers_of(out_.arm, name, options_, smallest_error()), name);
+    if (!first_.empty() && would_explain(first_, out_.arm, name, options_)) adopt_corrections(first_, name);
+    else note_faults(answers_of(out_.arm, name, options_, smallest_error()), name);
   }
 
   MendedSetUp result() {
@@ -81,7 +81,7 @@ class SetUp {
   // contradiction, others are tested only if their error is several times as large.
   double smallest_error() const { return identifying::numbers.outstanding * least_left_; }
 
-  void note(const RobotAnswers& answers, const std::string& name) {
+  void note_faults(const RobotAnswers& answers, const std::string& name) {
     bool found = false;
     for (const QualityFinding& f : answers.findings) {
       if (f.severity != Severity::kFault) continue;
@@ -94,7 +94,7 @@ class SetUp {
     if (!answers.explained && (least_left_ == 0.0 || answers.left < least_left_)) least_left_ = answers.left;
   }
 
-  void mend(const std::vector<RecordingQuestion>& set, const std::string& name) {
+  void adopt_corrections(const std::vector<RecordingQuestion>& set, const std::string& name) {
     if (set.empty()) return;
     out_.mended = true;
     if (any_changes_robot(set)) out_.arm = corrected_arm(set, out_.arm);
@@ -115,6 +115,7 @@ class SetUp {
   std::vector<double> sound_;  // errors of recordings without contradiction
 };
 
+// True for mistakes in positions and velocities, false for those in torques, times or the robot file.
 bool is_of_motion(const QualityFinding& finding) {
   static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side"};
   // Degrees in velocities alone are an error of that signal.

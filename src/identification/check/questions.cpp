@@ -150,6 +150,7 @@ RecordingQuestion torques_filtered(double constant) {
 
 // The part of a recording, before or after a moment [s], that does not fit the rest.
 enum class Part { kBefore, kAfter };
+// @param moment  [s] since the recording began.
 RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
   const long row = std::lower_bound(r.time.begin(), r.time.end(), r.time[0] + moment) - r.time.begin();
   const bool after = part == Part::kAfter;
@@ -194,16 +195,16 @@ class List {
   }
 
   std::vector<RecordingQuestion> all(const QuickFit& fit) {
-    signs();
-    if (sliding_) millimetres();
-    if (turning_) angles();
-    if (torque_ == "tau") torques();
-    if (torque_ == "tau" && fit.moments != nullptr) factors(fit);
-    brakes();
-    clocks();
-    exchanges();
-    gravity();
-    convention();
+    add_signs();
+    if (sliding_) add_millimetres();
+    if (turning_) add_angle_units();
+    if (torque_ == "tau") add_torque_units();
+    if (torque_ == "tau" && fit.moments != nullptr) add_torque_factors(fit);
+    add_brakes();
+    add_clocks();
+    add_exchanges();
+    add_gravity_directions();
+    add_dh_convention();
     return std::move(out_);
   }
 
@@ -211,7 +212,7 @@ class List {
   int joints() const { return arm_.joints(); }
   bool slides(int i) const { return joints_[i].prismatic; }
   bool is_badly_explained(int i) const { return moves_[i] && std::sqrt(shares_[i]) > checking::kPoorFit; }
-  std::string name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
+  std::string joint_name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
   bool has_velocity() const { return r_.dq.size() > 0; }
 
   RecordingQuestion& add(const std::string& finding, int joint, const std::string& what, const std::string& units) {
@@ -229,19 +230,19 @@ class List {
     return out;
   }
 
-  void signs() {
+  void add_signs() {
     for (int i = 0; i < joints(); ++i) {
-      if (moves_[i]) add("torque_sign", i + 1, "The torque of " + name(i) + " has the wrong sign", reversed({torque_}, i));
+      if (moves_[i]) add("torque_sign", i + 1, "The torque of " + joint_name(i) + " has the wrong sign", reversed({torque_}, i));
       if (!is_badly_explained(i)) continue;
-      add("position_sign", i + 1, "The position of " + name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kPositionSignCost;
-      add("position_sign", i + 1, "Position and torque of " + name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kPositionSignCost;
+      add("position_sign", i + 1, "The position of " + joint_name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kPositionSignCost;
+      add("position_sign", i + 1, "Position and torque of " + joint_name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kPositionSignCost;
     }
     if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
 
   // Adds the hypothesis that positions and velocities of all joints are in another unit. Velocities are
   // derived again if the file has none in the new unit.
-  void in_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
+  void add_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
     if (!dq.empty() && !has_velocity()) return;
     const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
     const auto scales = scales_of("q", units, arm_);
@@ -270,11 +271,11 @@ class List {
     return !more.empty() && median(more) > std::log(2.0);
   }
 
-  bool is_beyond(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
+  bool exceeds_plausible_range(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
 
   // Adds millimetres as the unit of positions and velocities, "q=mm,dq=mm/s"; for an arm with revolute
   // joints, of each prismatic joint alone.
-  void millimetres() {
+  void add_millimetres() {
     std::string units;
     for (int i = 0; i < joints(); ++i) {
       if (turning_ ? !slides(i) : i > 0) continue;
@@ -284,32 +285,32 @@ class List {
     if (turning_) add("millimetres", 0, "Positions are millimetres and degrees", joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", units));
   }
 
-  void angles() {
-    for (const Unit& u : kAngles) in_unit(u.finding, u.what, u.q, u.dq);
+  void add_angle_units() {
+    for (const Unit& u : kAngles) add_unit(u.finding, u.what, u.q, u.dq);
     int moving = 0, beyond = 0;
-    for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += is_beyond(i) ? 1 : 0;
+    for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += exceeds_plausible_range(i) ? 1 : 0;
     for (int i = 0; i < joints(); ++i) {
       for (const double zero : checking::kZeros) {
-        if (is_badly_explained(i) && !slides(i)) out_.push_back(zero_at(zero, i, name(i)));
+        if (is_badly_explained(i) && !slides(i)) out_.push_back(zero_at(zero, i, joint_name(i)));
       }
       // One joint alone in degrees, as separate drivers may publish it.
-      if (beyond == moving || !is_beyond(i)) continue;
-      if (has_velocity()) add("degrees", i + 1, "Position and velocity of " + name(i) + " are degrees", fmt::format("q{0}=deg,dq{0}=deg/s", i + 1));
-      add("degrees", i + 1, "The position of " + name(i) + " is in degrees", text("q", i + 1, "=deg"));
-      motor_side(r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>(), i, name(i));
+      if (beyond == moving || !exceeds_plausible_range(i)) continue;
+      if (has_velocity()) add("degrees", i + 1, "Position and velocity of " + joint_name(i) + " are degrees", fmt::format("q{0}=deg,dq{0}=deg/s", i + 1));
+      add("degrees", i + 1, "The position of " + joint_name(i) + " is in degrees", text("q", i + 1, "=deg"));
+      add_motor_side(r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>(), i, joint_name(i));
     }
     const double largest = r_.q.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-    if (largest > checking::kMostTravel && !sliding_) motor_side(largest, -1, "");
+    if (largest > checking::kMostTravel && !sliding_) add_motor_side(largest, -1, "");
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.upper - j.lower); });
     for (const Unit& u : kShares) {
-      if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) in_unit(u.finding, u.what, u.q, u.dq);
+      if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) add_unit(u.finding, u.what, u.q, u.dq);
     }
     if (sliding_ || largest < 2.0 * checking::kMostTravel) return;
     for (const int counts : checking::kCounts) {
       for (const std::string& zero : {std::string(), text("@", counts / 2)}) {
         for (const bool both : {false, true}) {
           const std::string unit = text(counts, "/rev");
-          in_unit("counts", text("Positions", both ? " and velocities" : "", " are counts of an encoder, ", counts, " a turn", zero.empty() ? "" : text(" and ", counts / 2, " at zero")),
+          add_unit("counts", text("Positions", both ? " and velocities" : "", " are counts of an encoder, ", counts, " a turn", zero.empty() ? "" : text(" and ", counts / 2, " at zero")),
                   unit + zero, both ? unit : "");
         }
       }
@@ -317,13 +318,13 @@ class List {
   }
 
   // Adds gear ratios that bring the largest angle of one joint (from 0), or of all, into the range of an arm.
-  void motor_side(double largest, int joint, const std::string& name) {
+  void add_motor_side(double largest, int joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
     }
   }
 
-  void torques() {
+  void add_torque_units() {
     if (is_load_register()) add("torque_unit", 0, "Torques are load registers with a direction bit", "tau=load");
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.effort) && j.effort > 0.0; });
     for (const auto& [unit, words] : checking::kTorqueUnits) {
@@ -331,7 +332,7 @@ class List {
     }
     for (int i = 0; i < joints(); ++i) {
       for (const char* unit : {"mNm", "Ncm"}) {
-        if (is_badly_explained(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
+        if (is_badly_explained(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + joint_name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
       }
     }
     if (std::all_of(arm_.coordinates().begin(), arm_.coordinates().end(), [](const Coordinate& c) { return c.drive_gain > 0.0; }))
@@ -339,7 +340,7 @@ class List {
   }
 
   // Adds other units of the torques, by the factors that fit best: of one joint, and of all.
-  void factors(const QuickFit& fit) {
+  void add_torque_factors(const QuickFit& fit) {
     const auto is_beyond = [](double factor, double bound) { return factor > bound || (factor > 0.0 && factor * bound < 1.0); };
     const auto is_far = [&](double factor) { return is_beyond(factor, checking::kTorqueFactor); };
     const auto unit = [](int i, double factor) { return fmt::format("tau{}={:.4g}", i + 1, factor); };
@@ -349,7 +350,7 @@ class List {
     for (int i = 0; i < joints(); ++i) {
       if (fit.ratios[i] * all[i] > 0.0) common.push_back(1.0 / (fit.ratios[i] * all[i]));
       if (joints() == 1 || !moves_[i] || !is_beyond(fit.alone[i], checking::kOwnFactor)) continue;
-      RecordingQuestion& q = add("torque_unit", i + 1, fmt::format("The torque of {} fits with a factor of {:.4g}, as a wrong gain, a current or in front of a gear", name(i), fit.alone[i]), unit(i, fit.alone[i]));
+      RecordingQuestion& q = add("torque_unit", i + 1, fmt::format("The torque of {} fits with a factor of {:.4g}, as a wrong gain, a current or in front of a gear", joint_name(i), fit.alone[i]), unit(i, fit.alone[i]));
       q.price = checking::kFittedNumberCost;
       q.is_cause = !is_far(fit.alone[i]);
     }
@@ -369,7 +370,7 @@ class List {
   }
 
   // Tests whether brakes hold the arm between its motions, so that its torques at rest are meaningless.
-  void brakes() {
+  void add_brakes() {
     const std::vector<char> rests = rows_at_rest(r_);
     const long count = std::count(rests.begin(), rests.end(), 1);
     if (count == 0 || 2 * count > static_cast<long>(rests.size())) return;
@@ -384,7 +385,7 @@ class List {
 
   // Tests torques that lag or lead the motion. Errors below kPoorFit come from friction near rest on correct
   // recordings, and are not tested.
-  void clocks() {
+  void add_clocks() {
     bool any = false;
     for (int i = 0; i < joints(); ++i) any = any || is_badly_explained(i);
     if (!any) return;
@@ -394,7 +395,7 @@ class List {
         out_.push_back(torques_late(d, d, length));
         out_.push_back(torques_late(0.0, checking::kDrift * d, length));
         for (int i = 0; i < joints() && joints() > 1; ++i) {
-          if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, i, name(i)));
+          if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, i, joint_name(i)));
         }
       }
     }
@@ -430,7 +431,7 @@ class List {
 
   // Adds exchanges: of two joints; of all joints in the alphabetical order of their names, as ROS sorts them;
   // of all joints, shifted by one.
-  void exchanges() {
+  void add_exchanges() {
     std::vector<int> own(static_cast<std::size_t>(joints()));
     std::iota(own.begin(), own.end(), 0);
     for (int i = 0; i < joints(); ++i) {
@@ -438,7 +439,7 @@ class List {
         if (!moves_[i] || !moves_[j] || !(is_badly_explained(i) || is_badly_explained(j))) continue;
         std::vector<int> order = own;
         std::swap(order[i], order[j]);
-        const std::string pair = name(i) + " and " + name(j);
+        const std::string pair = joint_name(i) + " and " + joint_name(j);
         arranged(i + 1, "The torques of " + pair + " are swapped", {torque_}, order).second = j + 1;
         arranged(i + 1, "Positions and velocities of " + pair + " are swapped", motion_, order).second = j + 1;
         arranged(i + 1, "The whole of " + pair + " is swapped", all_, order).second = j + 1;
@@ -460,7 +461,7 @@ class List {
     arranged(0, "The torques stand one column too far to the left", {torque_}, back);
   }
 
-  void gravity() {
+  void add_gravity_directions() {
     const Eigen::Vector3d g = arm_.gravity();
     const double size = g.norm() > 0.0 ? g.norm() : checking::kGravity;
     for (int k = 0; k < 27; ++k) {
@@ -472,7 +473,7 @@ class List {
     for (RecordingQuestion& near : gravity_along(g).neighbours(checking::kTilt)) out_.push_back(std::move(near));
   }
 
-  void convention() {
+  void add_dh_convention() {
     const auto& frames = arm_.frames();
     if (std::none_of(frames.begin(), frames.end(), [](const Frame& f) { return f.dh.has_value(); })) return;
     const auto row = std::find_if(frames.begin(), frames.end(), [](const Frame& f) { return f.dh.has_value(); });

@@ -54,7 +54,7 @@ struct QuickFit {
   /// Relative error of the torque, root mean square over the joints; noise() is the same for white noise.
   double relative_error() const { return std::sqrt(shares.mean()); }
   double noise() const { return std::sqrt(noise2.mean()); }
-  double fitted_relative_error() const { return std::sqrt(fitted.mean()); }
+  double fitted_relative_error() const { return std::sqrt(fitted.mean()); }  ///< of the fit to all rows
   /// True if the remaining error of a joint is close to its noise.
   bool is_near(Eigen::Index joint) const {
     return std::sqrt(shares[joint]) <= std::max(checking::kNearNoise * std::sqrt(noise2[joint]), checking::kExact);

@@ -24,7 +24,7 @@
 namespace veridyn {
 namespace {
 
-std::string percent(double share) {
+std::string percent_text(double share) {
   return text(quality::number(100.0 * share), " %");
 }
 
@@ -61,7 +61,7 @@ class RobotCheck {
       if (!helps(best_, before)) best_ = none;
       if (!is_explained(best_) && std::any_of(best_.set.begin(), best_.set.end(), is_fitted)) {
         const Answer fitted = std::exchange(best_, none);
-        report_uncertain(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent(before.noise()));
+        report_uncertain(fitted, "a force on the arm or anything that it lacks looks alike, and the noise is at " + percent_text(before.noise()));
       }
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
@@ -76,13 +76,13 @@ class RobotCheck {
       report_weak_motions();
       if (mends) out.set = std::move(best_.set);
     }
-    report_hardly_moving_joints(changed(out.set));
-    report_efforts(changed(out.set));
+    report_hardly_moving_joints(corrected_recording(out.set));
+    report_efforts(corrected_recording(out.set));
     out.findings = std::move(findings_);
     return out;
   }
 
-  bool would_explain(const std::vector<RecordingQuestion>& set) const { return is_clear(fit_of(set), fit_of({})); }
+  bool would_explain(const std::vector<RecordingQuestion>& set) const { return is_clear_improvement(fit_of(set), fit_of({})); }
 
   // True unless the remaining error is so large that the correction may only imitate a missing effect.
   static bool helps(const Answer& answer, const QuickFit& before) {
@@ -92,7 +92,7 @@ class RobotCheck {
     });
     if (is_explained(answer)) return true;
     if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); }))
-      return is_clear(after, before) && after.contradictions <= before.contradictions;  // a torque that is scaled to zero would leave no error
+      return is_clear_improvement(after, before) && after.contradictions <= before.contradictions;  // a torque that is scaled to zero would leave no error
     return after.relative_error() < checking::kFitted * before.relative_error() || (after.contradictions < before.contradictions && is_sure);
   }
 
@@ -104,26 +104,27 @@ class RobotCheck {
       const auto tau = recording_.tau.col(i).array();
       const bool touches = tau.abs().minCoeff() < checking::kReachesZero * std::sqrt(tau.square().mean());
       if (moves(i) && left > checking::kSignCertain && touches && !((tau < 0.0).any() && (tau > 0.0).any()))
-        add("no_sign", i + 1, left, text("The torque of ", joint(i), " has one sign in every row, and ", percent(left), " of it does not follow from the motion: a size without its sign?"));
+        add_finding("no_sign", i + 1, left, text("The torque of ", joint_text(i), " has one sign in every row, and ", percent_text(left), " of it does not follow from the motion: a size without its sign?"));
     }
     return findings_.size() > known;
   }
 
   void report_unexplained() {
     if (best_.fit.relative_error() > checking::kUnexplained && best_.fit.fitted_relative_error() > checking::kUnexplained) {
-      add("unexplained", 0, best_.fit.relative_error(),
-          text("With all its parameters free ", given_.name(), " leaves ", percent(best_.fit.relative_error()),
+      add_finding("unexplained", 0, best_.fit.relative_error(),
+          text("With all its parameters free ", given_.name(), " leaves ", percent_text(best_.fit.relative_error()),
                " of the torque on held-out rows, and no single mistake that `check` knows explains it: the torques of another robot, or a time or a column that does not belong to the others?"));
       return;
     }
     for (int i = 0; i < joints(); ++i) {
       const double left = std::sqrt(best_.fit.shares[i]);
       if (moves(i) && left > checking::kUnexplainedJoint && std::sqrt(best_.fit.fitted[i]) > checking::kUnexplained)
-        add("unexplained", i + 1, left, text("Nothing of the torque of ", joint(i), " follows from its motion: a joint that nothing drives, or another signal in its column?"));
+        add_finding("unexplained", i + 1, left, text("Nothing of the torque of ", joint_text(i), " follows from its motion: a joint that nothing drives, or another signal in its column?"));
     }
   }
 
-  static bool is_clear(const QuickFit& after, const QuickFit& before) {
+  // True if the arm is explained after a correction, or its relative error has decreased by much.
+  static bool is_clear_improvement(const QuickFit& after, const QuickFit& before) {
     return is_explained(after) || after.relative_error() < checking::kClearImprovement * before.relative_error();
   }
 
@@ -137,7 +138,7 @@ class RobotCheck {
     }
     const std::vector<std::vector<int>> as_one = correlated_columns(moving);
     if (!as_one.empty()) {
-      add("not_compared", as_one.front().front() + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
+      add_finding("not_compared", as_one.front().front() + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
       return false;
     }
     const auto [determined, all, condition] = fitter_.rank_and_condition(recording_);
@@ -145,7 +146,7 @@ class RobotCheck {
     // Wrong units change the columns and their condition number, so that units are tested before the check is
     // given up.
     if (determined >= all && find_unit()) return true;
-    add("not_compared", 0, determined,
+    add_finding("not_compared", 0, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
              ": the recording ", determined < all ? "determines " : "hardly tells apart ",
              determined, " of its ", all, " base parameters.",
@@ -171,29 +172,30 @@ class RobotCheck {
       const Limits& limits = given_.coordinates()[i].limits;
       const double share = travel(i, recording) / (limits.upper - limits.lower);
       if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
-      add("hardly_moves", i + 1, share,
-          text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint(i),
-               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."), Severity::kWarning);
+      add_finding("hardly_moves", i + 1, share,
+          text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint_text(i),
+               " moves over ", percent_text(share), " of its range: little of its friction and inertia can be identified."), Severity::kWarning);
     }
   }
 
   // Reports joints that move too little: over a small range gravity is nearly linear, as a spring is.
   void report_weak_motions() {
-    const VectorXd apart = fitter_.independent_spring_shares(changed(best_.set));
+    const VectorXd apart = fitter_.independent_spring_shares(corrected_recording(best_.set));
     for (int i = 0; i < joints(); ++i) {
       const Coordinate& c = given_.coordinates()[i];
       if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel(i, recording_) > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
-      add("weak_motion", i + 1, apart[i],
-          text("The motion of ", joint(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
-               percent(1.0 - apart[i]), " of a spring's torque could be gravity's)."), Severity::kWarning);
+      add_finding("weak_motion", i + 1, apart[i],
+          text("The motion of ", joint_text(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
+               percent_text(1.0 - apart[i]), " of a spring's torque could be gravity's)."), Severity::kWarning);
     }
   }
 
   int joints() const { return given_.joints(); }
   bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
-  std::string joint(int i) const { return text("joint ", i + 1, " (", given_.coordinates()[static_cast<size_t>(i)].name, ")"); }
+  std::string joint_text(int i) const { return text("joint ", i + 1, " (", given_.coordinates()[static_cast<size_t>(i)].name, ")"); }
 
-  void add(const std::string& finding, int joint, double value, const std::string& sentence, Severity severity = Severity::kFault) {
+  // @param joint  counted from 1; 0: none.
+  void add_finding(const std::string& finding, int joint, double value, const std::string& sentence, Severity severity = Severity::kFault) {
     QualityFinding f;
     f.file = recording_.source;
     f.finding = finding;
@@ -219,7 +221,7 @@ class RobotCheck {
     return is_explained(answer.fit) && (!fitted || answer.fit.relative_error() <= std::max(checking::kNearNoise * answer.fit.noise(), checking::kFittedNear));
   }
 
-  Recording changed(const std::vector<RecordingQuestion>& set) const {
+  Recording corrected_recording(const std::vector<RecordingQuestion>& set) const {
     Recording out = recording_;
     apply_to(set, given_, out);
     return out;
@@ -227,18 +229,19 @@ class RobotCheck {
 
   // The linear map from the recorded torques to the corrected ones, with the units and exchanges of a set.
   MatrixXd torques_of(std::vector<RecordingQuestion> set) const {
-    set.erase(std::remove_if(set.begin(), set.end(), is_of_rows), set.end());
+    set.erase(std::remove_if(set.begin(), set.end(), corrects_rows), set.end());
     Recording units;
     units.tau = MatrixXd::Identity(joints(), joints());
     apply_to(set, given_, units);
     return units.tau;
   }
 
-  static bool is_of_rows(const RecordingQuestion& q) { return q.rows || q.units == "tau=load"; }
+  static bool corrects_rows(const RecordingQuestion& q) { return q.rows || q.units == "tau=load"; }
 
+  // Fit to the recording with these corrections.
   QuickFit fit_of(std::vector<RecordingQuestion> set, VelocitySource velocity = VelocitySource::kRecorded) const {
-    const auto others = std::stable_partition(set.begin(), set.end(), is_of_rows);
-    Recording recording = changed({others, set.end()});
+    const auto others = std::stable_partition(set.begin(), set.end(), corrects_rows);
+    Recording recording = corrected_recording({others, set.end()});
     recording.tau = recording_.tau;
     apply_to({set.begin(), others}, given_, recording);
     if (velocity == VelocitySource::kRecorded && !any_changes_robot(set)) return fitter_.fit(fitter_.moments(recording), torques_of(set));
@@ -305,7 +308,7 @@ class RobotCheck {
       std::sort(next.begin(), next.end(), better);
       std::sort(impossible.begin(), impossible.end(), better);
       if (best_.set.empty() && !impossible.empty() && (next.empty() || (is_explained(impossible.front()) && !is_explained(next.front())))) {
-        report_uncertain(impossible.front(), beyond_efforts(changed(impossible.front().set)) > beyond_efforts(recording_)
+        report_uncertain(impossible.front(), beyond_efforts(corrected_recording(impossible.front().set)) > beyond_efforts(recording_)
                                                  ? "such torques are beyond the efforts of the robot file: are its masses in another unit, as grams?"
                                                  : "as recorded, all positions lie within the limits of the joints");
         return;
@@ -424,10 +427,10 @@ class RobotCheck {
       if (!(share > checking::kBeyondEffort)) continue;
       if (++count == 1) first = i + 1;
       most = std::max(most, share);
-      names += (names.empty() ? "" : ", ") + joint(i);
+      names += (names.empty() ? "" : ", ") + joint_text(i);
     }
     if (count > 0)
-      add("beyond_effort", count == 1 ? first : 0, most,
+      add_finding("beyond_effort", count == 1 ? first : 0, most,
           text("The torque of ", names, " reaches ", quality::number(most), " times the effort of the robot file: another unit, another drive gain, or a wrong effort?"));
   }
 
@@ -435,12 +438,12 @@ class RobotCheck {
   // efforts. A change of units also needs positions that cannot be radians.
   bool is_possible(const Answer& answer) const {
     const RecordingQuestion& q = answer.set.back();
-    if (q.finding == "torque_unit" && beyond_efforts(changed(answer.set)) > beyond_efforts(recording_)) return false;
+    if (q.finding == "torque_unit" && beyond_efforts(corrected_recording(answer.set)) > beyond_efforts(recording_)) return false;
     const int as_recorded = beyond_limits(recording_);
     const auto limited = [](const Coordinate& c) { return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower); };
     if (q.units.rfind("q=", 0) == 0 && q.finding != "turns")
       return as_recorded > 0 || std::none_of(given_.coordinates().begin(), given_.coordinates().end(), limited);
-    return beyond_limits(changed(answer.set)) <= as_recorded;
+    return beyond_limits(corrected_recording(answer.set)) <= as_recorded;
   }
 
   void report_uncertain(const Answer& answer, const std::string& but) {
@@ -448,12 +451,12 @@ class RobotCheck {
     if (recording_.rows() < checking::kRowsOfAnArm) return;
     std::string what = q.what;
     what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add(q.finding, q.joint, answer.fit.relative_error(), text("Perhaps ", what, ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
+    add_finding(q.finding, q.joint, answer.fit.relative_error(), text("Perhaps ", what, ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
         Severity::kInfo);
   }
 
   static std::string reason_for(const RecordingQuestion& q, double left, double without) {
-    if (left < checking::kFitCounts * without) return text("so the arm leaves ", percent(left), " of the torque on held-out rows instead of ", percent(without));
+    if (left < checking::kFitCounts * without) return text("so the arm leaves ", percent_text(left), " of the torque on held-out rows instead of ", percent_text(without));
     return q.finding == "torque_sign" ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
   }
 
@@ -468,8 +471,8 @@ class RobotCheck {
       const double left = best_.fit.relative_error();
       std::string sentence = q.what + ": " + reason_for(q, left, without) + "; ";
       if (is_explained(best_)) sentence += options + " mends it.";
-      else sentence += text(options, " makes it better, but the noise is at ", percent(best_.fit.noise()), ": not the whole truth.");
-      add(q.finding, q.joint, left, sentence);
+      else sentence += text(options, " makes it better, but the noise is at ", percent_text(best_.fit.noise()), ": not the whole truth.");
+      add_finding(q.finding, q.joint, left, sentence);
     }
   }
 

@@ -56,7 +56,7 @@ void check(const Model& arm, const std::vector<std::string>& recordings,
           " recording, expected one at least with the load and one without.");
 }
 
-std::string why_not(const DriveGain& gain, bool feels_weight) {
+std::string reason_against_gain(const DriveGain& gain, bool feels_weight) {
   if (!std::isfinite(gain.deviation))
     return "nothing ties its currents to the known mass, for it shares no parameters with joints "
            "that feel it";
@@ -103,6 +103,7 @@ void find_centre(const GainFit& fit, int load, MountedLoad& mounted) {
   mounted.centre = centre;
 }
 
+// Reason why no gain is determined, or empty.
 std::string problem_of(const GainFit& fit) {
   const VectorXd p = fit.solution.p();
   double best = 0.0;
@@ -128,7 +129,7 @@ DriveGains gains_with_data(const Model& arm, const std::vector<std::string>& rec
     DriveGain gain = gain_of(arm.coordinates()[j], fit.solution.p()[j],
                              fit.p_deviation(j), t);
     gain.share = fit.mass_share[j];
-    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > identifying::kNoWeight);
+    if (!gain.identifiable) gain.reason = reason_against_gain(gain, weight[j] > identifying::kNoWeight);
     out.joints.push_back(std::move(gain));
   }
   for (size_t l = 0; l < loads.size(); ++l) {

@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-std::string load_frame(int load) {
+std::string load_frame_name(int load) {
   return text("known_load_", load);
 }
 
@@ -34,7 +34,7 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   }
   for (EffectTerm& term : d.effects) term.fixed = false;
   Frame frame;
-  frame.name = load_frame(index);
+  frame.name = load_frame_name(index);
   frame.parent = FrameIndex{arm.find_frame(load.frame)};
   frame.body = Body{};
   if (arm.inertial_values()) {
@@ -45,6 +45,7 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   return Model(std::move(d));
 }
 
+// A recording of currents alone. Throws InvalidInput if it has no currents, or torques beside them.
 Recording currents_of(const Model& arm, const std::string& path,
                       const PreprocessingOptions& preprocessing) {
   const Recording* there = find_in_memory(preprocessing.in_memory, path);
@@ -101,10 +102,11 @@ size_t GainData::recording_of_cluster(size_t cluster) const {
 std::vector<std::string> GainData::load_columns(int load) {
   std::vector<std::string> out;
   for (const char* symbol : {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"})
-    out.push_back(std::string(symbol) + "_" + load_frame(load));
+    out.push_back(std::string(symbol) + "_" + load_frame_name(load));
   return out;
 }
 
+// Name of the column of a parameter: parameters that change from day to day have one for each recording.
 std::string GainData::column_name(const StandardParameter& p, size_t recording) const {
   if (!p.effect || p.fixed) return p.name;
   const std::string& effect = arms_[recording].effects()[*p.effect].effect;

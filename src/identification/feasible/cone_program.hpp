@@ -38,7 +38,7 @@ struct SparseRows {
   VectorXd bound;
 
   int size() const { return static_cast<int>(bound.size()); }
-  double dot(int row, const VectorXd& x) const;
+  double dot(int row, const VectorXd& x) const;  ///< product of a row of G and x
   VectorXd slack(const VectorXd& x) const;                              ///< bound - G*x
   void add_transposed(const VectorXd& lambda, VectorXd& result) const;  ///< result += G'*lambda
 };

@@ -158,7 +158,7 @@ double cost_floor(const FeasibleProblem& problem, const FeasibleOptions& options
   return floor > 0.0 ? floor : 1.0;
 }
 
-bool strictly_feasible(const cone::Program& program, const VectorXd& x) {
+bool is_strictly_feasible(const cone::Program& program, const VectorXd& x) {
   if (!x.allFinite()) return false;
   if (program.rows.size() > 0 && !(program.rows.slack(x).minCoeff() > 0.0)) return false;
   return std::all_of(program.blocks.begin(), program.blocks.end(), [&](const cone::Block& block) {
@@ -169,10 +169,10 @@ bool strictly_feasible(const cone::Program& program, const VectorXd& x) {
 // Rounding can leave x a few units in the last place outside; a tiny step towards an interior point
 // corrects this.
 void pull_inside(const cone::Program& program, const VectorXd& interior, VectorXd& x) {
-  if (interior.size() == 0 || strictly_feasible(program, x)) return;
+  if (interior.size() == 0 || is_strictly_feasible(program, x)) return;
   for (double part = 1e-14; part < 1.0; part *= 4.0) {
     const VectorXd moved = x + part * (interior - x);
-    if (!strictly_feasible(program, moved)) continue;
+    if (!is_strictly_feasible(program, moved)) continue;
     x = moved;
     return;
   }
@@ -212,7 +212,7 @@ FeasibleResult make_result(const FeasibleProblem& problem, const FeasibleOptions
   result.x = x;
   result.status = solution.status;
   result.iterations = solution.iterations;
-  result.feasible = strictly_feasible(program, x);
+  result.feasible = is_strictly_feasible(program, x);
   result.objective = (problem.R * x - problem.z).squaredNorm() + problem.rho2;
   result.cost = cone::cost(program, x);
   result.row_multipliers = solution.point.lambda;

@@ -84,7 +84,7 @@ SpreadPrior prior_of(const std::vector<Quantity>& kind, double freedom) {
   return noise.unlike <= share.unlike ? noise : share;
 }
 
-Quantity quantity(const Model& arm, const FleetFit& fit, const Fleet& fleet, int k) {
+Quantity quantity_of(const Model& arm, const FleetFit& fit, const Fleet& fleet, int k) {
   const int own = static_cast<int>(fit.own());
   Quantity out;
   for (const FleetMember& m : fleet.members) out.all.push_back(m.own[k]);
@@ -138,7 +138,7 @@ void add_spreads(const Model& arm, const FleetFit& fit, Fleet& fleet) {
   std::vector<Quantity> gains;
   for (int k = 0; k < own + fleet.joints; ++k) {
     std::vector<Quantity>& kind = k < own ? effects : gains;
-    kind.push_back(quantity(arm, fit, fleet, k));
+    kind.push_back(quantity_of(arm, fit, fleet, k));
     fleet.spreads.push_back(kind.back().spread);
   }
   add_outliers(effects, fit, fleet);

@@ -95,7 +95,7 @@ std::string derived_joints(const PreprocessingOptions& how) {
   return out;
 }
 
-std::string settings_of(const PreprocessingOptions& how) {
+std::string settings_text(const PreprocessingOptions& how) {
   return fmt::format("cut-off {:g} Hz, order {}{}, signal cut-off ratio {:g}{}{}, decimation {}, rate {:g} Hz, slowest {:g}{}", how.cutoff,
                      how.order, how.filtering == Filtering::kMatched ? ", matched" : ", signals", how.signal_cutoff_ratio,
                      how.velocity == VelocitySource::kRecorded ? ", velocities as recorded" : ", velocities derived",
@@ -103,7 +103,7 @@ std::string settings_of(const PreprocessingOptions& how) {
                      how.min_speed, derived_joints(how));
 }
 
-bool same_arm(const VectorXd& a, const VectorXd& b) {
+bool are_fingerprints_of_one_arm(const VectorXd& a, const VectorXd& b) {
   return a.size() == b.size() &&
          ((a - b).cwiseAbs().array() <=
           kSameArm * (1.0 + a.cwiseAbs().array().max(b.cwiseAbs().array())))
@@ -121,7 +121,7 @@ std::uint64_t checksum(const std::string& bytes, std::size_t from) {
 }
 
 void require_joints(const FactorSet& factors, const Model& arm) {
-  require(same_arm(factors.fingerprint, fingerprint_of(arm)), "the factors are of robot '",
+  require(are_fingerprints_of_one_arm(factors.fingerprint, fingerprint_of(arm)), "the factors are of robot '",
           factors.robot, "', which differs from robot '", arm.name(),
           "' in its kinematics or in the parameters that its file declares as facts; expected "
           "factors of this robot file.");
@@ -164,8 +164,8 @@ bool is_factor_file(const std::string& path) {
 void require_factors_of(const Model& arm, const FactorSet& factors,
                         const PreprocessingOptions& how) {
   require_joints(factors, with_friction(arm, JointFriction::kAuto));  // the friction that compress() chooses
-  require(factors.settings == settings_of(how), "the factors were prepared differently: found ",
-          factors.settings, "; expected ", settings_of(how), ".");
+  require(factors.settings == settings_text(how), "the factors were prepared differently: found ",
+          factors.settings, "; expected ", settings_text(how), ".");
 }
 
 FactorSet compress(const Model& file, const std::vector<std::string>& paths,
@@ -174,7 +174,7 @@ FactorSet compress(const Model& file, const std::vector<std::string>& paths,
   FactorSet out;
   out.robot = arm.name();
   out.fingerprint = fingerprint_of(arm);
-  out.settings = settings_of(options);
+  out.settings = settings_text(options);
   out.recordings = compress_many(arm, paths, options, threads);
   return out;
 }
@@ -182,7 +182,7 @@ FactorSet compress(const Model& file, const std::vector<std::string>& paths,
 FactorSet merge(FactorSet a, const FactorSet& b) {
   if (a.recordings.empty()) return b;
   if (b.recordings.empty()) return a;
-  require(same_arm(a.fingerprint, b.fingerprint), "factors of robot '", a.robot,
+  require(are_fingerprints_of_one_arm(a.fingerprint, b.fingerprint), "factors of robot '", a.robot,
           "' and of robot '", b.robot,
           "' do not merge: their kinematics or facts differ; expected factors of one robot file.");
   require(a.settings == b.settings, "factors that were prepared differently do not merge: found ",

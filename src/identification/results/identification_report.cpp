@@ -13,7 +13,7 @@
 namespace veridyn {
 namespace {
 
-std::string percent(const VectorXd& v) {
+std::string percent_columns(const VectorXd& v) {
   std::string out;
   for (Eigen::Index i = 0; i < v.size(); ++i) out += " " + in_percent(v[i], 7);
   return out;
@@ -42,7 +42,7 @@ std::string Identification::report() const {
   out += "errors, % of the torque, per joint\n";
   const std::string tested = verdict.held_out ? "held out" : "learned from";
   const auto line = [&out](const std::string& name, const VectorXd& v) {
-    if (v.size() > 0) out += fmt::format("  {:<22}{}\n", name, percent(v));
+    if (v.size() > 0) out += fmt::format("  {:<22}{}\n", name, percent_columns(v));
   };
   line("training", train_error.relative);
   line(tested, test_error.relative);
@@ -61,7 +61,7 @@ std::string Identification::report() const {
   }
   for (const RecordingError& r : test) {
     if (test.size() > 1)
-      out += fmt::format("  {:<22}{}  {}\n", r.learned_from.empty() ? "held out" : "learned from", percent(r.error.relative), r.source);
+      out += fmt::format("  {:<22}{}  {}\n", r.learned_from.empty() ? "held out" : "learned from", percent_columns(r.error.relative), r.source);
   }
   for (const auto* list : {&train, &test}) {
     for (const RecordingError& r : *list) {

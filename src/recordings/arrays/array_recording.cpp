@@ -21,7 +21,7 @@ std::string group_of(const std::string& name) {
   return slash == std::string::npos ? std::string() : name.substr(0, slash);
 }
 
-std::string last_of(const std::string& name) {
+std::string name_without_group(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
@@ -42,9 +42,9 @@ const NamedArray* clock_for(const ArraySet& set, const std::string& group,
     for (const NamedArray& a : set.arrays) {
       if (group_of(a.name) != place || !is_vector(a) || size_of(a) < 2) continue;
       vectors.push_back(&a);
-      names.push_back(last_of(a.name));
+      names.push_back(name_without_group(a.name));
     }
-    *found = time_columns(names, last_of(wanted));
+    *found = time_columns(names, name_without_group(wanted));
     if (found->recorded) return vectors[*found->recorded];
   }
   return nullptr;
@@ -65,7 +65,8 @@ bool is_mapped(const std::string& name, const SignalChoice& choice) {
   });
 }
 
-std::size_t width_of(const NamedArray& a, std::size_t rows) {
+// Columns of an array that has one row, or one column, for each of `rows` times; 0: it has neither.
+std::size_t column_count_of(const NamedArray& a, std::size_t rows) {
   if (a.rows == rows) return a.columns;
   return a.columns == rows ? a.rows : 0;
 }
@@ -82,7 +83,7 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
   for (const NamedArray& a : set.arrays) {
     // Without an array of times, the longer dimension of the positions, or of the arrays in --map, is the time
     // axis.
-    const bool longest = field_of(last_of(a.name) + "/0").signal == 0 || is_mapped(a.name, options.signals);
+    const bool longest = field_of(name_without_group(a.name) + "/0").signal == 0 || is_mapped(a.name, options.signals);
     if (clock == nullptr && group_of(a.name) == group && longest) rows = std::max({rows, a.rows, a.columns});
   }
   RawStream stream;
@@ -90,10 +91,10 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
   std::vector<const NamedArray*> kept;
   for (const NamedArray& a : set.arrays) {
     if (group_of(a.name) != group || &a == clock || rows == 0) continue;
-    const std::size_t width = width_of(a, rows);
+    const std::size_t width = column_count_of(a, rows);
     if (width == 0 || width > 256) continue;
     kept.push_back(&a);
-    const std::string name = last_of(a.name);
+    const std::string name = name_without_group(a.name);
     for (std::size_t k = 0; k < width; ++k) {
       RawField field = width == 1 ? field_of(name) : field_of(name + "/" + std::to_string(k));
       field.path = width == 1 ? name : name + "/" + std::to_string(k);
@@ -115,7 +116,7 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
     if (!std::isfinite(t) || std::abs(t) > static_cast<double>(kLargestTime)) continue;
     stream.recorded.push_back(std::llround(t));
     for (const NamedArray* a : kept) {
-      const std::size_t width = width_of(*a, rows);
+      const std::size_t width = column_count_of(*a, rows);
       for (std::size_t k = 0; k < width; ++k) stream.values.push_back(element(*a, rows, row, k));
     }
   }
@@ -131,7 +132,7 @@ RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::s
   std::set<std::string> known;
   std::vector<std::string> groups;
   for (const NamedArray& a : set.arrays) {
-    const bool signal = field_of(last_of(a.name) + "/0").signal >= 0;
+    const bool signal = field_of(name_without_group(a.name) + "/0").signal >= 0;
     const bool mapped = !options.signals.map.empty();
     if (!signal && !mapped) continue;
     if (known.insert(group_of(a.name)).second) groups.push_back(group_of(a.name));

@@ -65,7 +65,7 @@ void read_dataset(hid_t data, const std::string& name, ArraySet* set) {
   H5Tclose(type);
 }
 
-herr_t visit(hid_t file, const char* name, const ObjectInfo* info, void* set) {
+herr_t read_visited_object(hid_t file, const char* name, const ObjectInfo* info, void* set) {
   if (info->type != H5O_TYPE_DATASET) return 0;
   const hid_t data = H5Dopen2(file, name, H5P_DEFAULT);
   if (data < 0) return 0;
@@ -83,9 +83,9 @@ ArraySet read_hdf5(const std::string& path) {
   require(file >= 0, path, ": cannot be opened as HDF5, expected an intact file.");
   ArraySet set;
 #if H5_VERSION_GE(1, 12, 0)
-  H5Ovisit3(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &set, H5O_INFO_BASIC);
+  H5Ovisit3(file, H5_INDEX_NAME, H5_ITER_NATIVE, read_visited_object, &set, H5O_INFO_BASIC);
 #else
-  H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &set, H5O_INFO_BASIC);
+  H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, read_visited_object, &set, H5O_INFO_BASIC);
 #endif
   H5Fclose(file);
   return set;

@@ -23,6 +23,7 @@ void read_numbers(const matvar_t& var, std::vector<double>* out) {
   }
 }
 
+// Copies the numbers of a real matrix row by row; false for another type.
 bool numbers_of(const matvar_t& var, std::vector<double>* out) {
   switch (var.data_type) {
     case MAT_T_DOUBLE:

@@ -41,7 +41,8 @@ void read_large_sizes(std::string_view extra, Entry* entry) {
   }
 }
 
-std::vector<Entry> directory_of(std::string_view bytes) {
+// The entries that the central directory at the end of the file lists.
+std::vector<Entry> zip_entries(std::string_view bytes) {
   std::size_t end = bytes.size() < 22 ? std::string_view::npos : bytes.size() - 22;
   const std::size_t farthest = bytes.size() > 66000 ? bytes.size() - 66000 : 0;
   while (end != std::string_view::npos &&
@@ -75,7 +76,7 @@ std::vector<Entry> directory_of(std::string_view bytes) {
   return entries;
 }
 
-std::string content_of(std::string_view bytes, const Entry& entry) {
+std::string unpacked_content(std::string_view bytes, const Entry& entry) {
   ByteReader reader(bytes);
   reader.go_to(entry.offset);
   if (reader.number<std::uint32_t>() != kLocalHeader) throw CutShort("a damaged entry");
@@ -131,7 +132,7 @@ std::string value_of(const std::string& header, const std::string& key) {
 }
 
 template <typename T>
-void convert(ByteReader* reader, bool big, std::vector<double>* out) {
+void read_npz_numbers(ByteReader* reader, bool big, std::vector<double>* out) {
   for (double& value : *out) {
     const std::string_view raw = reader->read_bytes(sizeof(T));
     char bytes[sizeof(T)];
@@ -205,17 +206,17 @@ void read_array(const std::string& name, std::string_view bytes, ArraySet* set) 
   const bool big = header.type[0] == '>';
   const std::string kind = header.type.substr(1);
   if (kind == "f8") {
-    convert<double>(&reader, big, &array.values);
+    read_npz_numbers<double>(&reader, big, &array.values);
   } else if (kind == "f4") {
-    convert<float>(&reader, big, &array.values);
+    read_npz_numbers<float>(&reader, big, &array.values);
   } else if (kind == "i8") {
-    convert<std::int64_t>(&reader, big, &array.values);
+    read_npz_numbers<std::int64_t>(&reader, big, &array.values);
   } else if (kind == "u8") {
-    convert<std::uint64_t>(&reader, big, &array.values);
+    read_npz_numbers<std::uint64_t>(&reader, big, &array.values);
   } else if (kind == "i4") {
-    convert<std::int32_t>(&reader, big, &array.values);
+    read_npz_numbers<std::int32_t>(&reader, big, &array.values);
   } else if (kind == "u4") {
-    convert<std::uint32_t>(&reader, big, &array.values);
+    read_npz_numbers<std::uint32_t>(&reader, big, &array.values);
   } else {
     return;  // not usable as a signal
   }
@@ -237,7 +238,7 @@ ArraySet read_npz(const ByteStream& opened) {
   const WholeFile file(path, &opened);
   ArraySet set;
   try {
-    const std::vector<Entry> entries = directory_of(file.bytes());
+    const std::vector<Entry> entries = zip_entries(file.bytes());
     double unpacked = 0.0;
     for (const Entry& entry : entries) unpacked += static_cast<double>(entry.size);
     const double most = sizeof(double) * most_rows(1.0);
@@ -248,7 +249,7 @@ ArraySet read_npz(const ByteStream& opened) {
       require(!workbook, path, ": found an Excel workbook, expected it saved as CSV.");
       const std::size_t end = entry.name.rfind(".npy");
       if (end == std::string::npos) continue;
-      read_array(entry.name.substr(0, end), content_of(file.bytes(), entry), &set);
+      read_array(entry.name.substr(0, end), unpacked_content(file.bytes(), entry), &set);
     }
   } catch (const CutShort& error) {
     throw InvalidInput(text(path, ": found ", error.what(), ", expected an intact .npz of NumPy."));

@@ -31,7 +31,7 @@ class Collector {
   explicit Collector(const SignalChoice& choice) : choice_(choice) {
     sink_.open = [this](const Channel& channel) { return open(channel); };
     sink_.message = [this](int channel, std::int64_t recorded, std::string_view bytes) {
-      message(channel, recorded, bytes);
+      store_message(channel, recorded, bytes);
     };
   }
 
@@ -74,7 +74,7 @@ class Collector {
     return at->second;
   }
 
-  void message(int channel, std::int64_t recorded, std::string_view bytes) {
+  void store_message(int channel, std::int64_t recorded, std::string_view bytes) {
     if (channel < 0) return;
     Entry& entry = *entries_[channel];
     RawTopic& topic = topics_[entry.topic];
@@ -93,7 +93,7 @@ class Collector {
   std::map<std::string, int> entry_by_key_;
 };
 
-std::string format_of(const recordings::OpenedFile& file) {
+std::string format_name(const recordings::OpenedFile& file) {
   if (!file.bytes) return "bag (folder)";
   const std::string_view probe = file.bytes->unread().substr(0, 8);
   if (probe.substr(0, 7) == "#ROSBAG") return "ROS 1 bag";
@@ -107,7 +107,7 @@ RawRecording read_bag_recording(const recordings::OpenedFile& file, const Signal
   Collector collector(choice);
   read_bag(file.path, collector.sink(), file.bytes ? &*file.bytes : nullptr);
   RawRecording raw = collector.finish();
-  raw.format = format_of(file);
+  raw.format = format_name(file);
   return raw;
 }
 

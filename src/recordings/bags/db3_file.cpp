@@ -77,7 +77,8 @@ std::map<std::string, std::string> definitions_in(const Database& database) {
   return definitions;
 }
 
-std::map<sqlite3_int64, int> channels_in(const Database& database, const std::string& path,
+// Opens a channel of the sink for each topic; @returns the channels by the ids of the topics.
+std::map<sqlite3_int64, int> open_channels(const Database& database, const std::string& path,
                                          BagSink* sink) {
   const std::map<std::string, std::string> definitions = definitions_in(database);
   std::map<sqlite3_int64, int> channels;
@@ -98,7 +99,7 @@ std::map<sqlite3_int64, int> channels_in(const Database& database, const std::st
 }
 
 void read_messages(const Database& database, const std::string& path, bool packed, BagSink* sink) {
-  const std::map<sqlite3_int64, int> channels = channels_in(database, path, sink);
+  const std::map<sqlite3_int64, int> channels = open_channels(database, path, sink);
   const Statement rows = prepared(database, "SELECT topic_id, timestamp, data FROM messages");
   require(rows != nullptr, path,
           ": found a database without the tables of a ROS 2 bag (", sqlite_error(database), "), expected topics and messages.");

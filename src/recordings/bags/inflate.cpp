@@ -21,6 +21,7 @@ std::size_t grow(std::string* bytes, std::size_t used, std::size_t limit) {
   return bytes->size() - used;
 }
 
+// The inflate functions return what they unpacked, at most `limit` bytes.
 Inflated inflate_lz4(std::string_view packed, std::size_t limit) {
   LZ4F_dctx* raw = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION)) != 0) return {};
@@ -29,17 +30,17 @@ Inflated inflate_lz4(std::string_view packed, std::size_t limit) {
   Inflated out;
   std::size_t used = 0;
   while (true) {
-    std::size_t room = grow(&out.bytes, used, limit);
+    std::size_t space = grow(&out.bytes, used, limit);
     std::size_t taken = packed.size();
-    const std::size_t room_before = room;
-    const std::size_t hint = LZ4F_decompress(context.get(), out.bytes.data() + used, &room,
+    const std::size_t room_before = space;
+    const std::size_t hint = LZ4F_decompress(context.get(), out.bytes.data() + used, &space,
                                              packed.data(), &taken, nullptr);
     if (LZ4F_isError(hint) != 0) break;
-    used += room;
+    used += space;
     packed.remove_prefix(taken);
     out.whole = hint == 0;
     if (out.whole || room_before == 0) break;
-    if (packed.empty() && room < room_before) break;
+    if (packed.empty() && space < room_before) break;
   }
   out.bytes.resize(used);
   return out;
@@ -54,14 +55,14 @@ Inflated inflate_zstd(std::string_view packed, std::size_t limit) {
   Inflated out;
   std::size_t used = 0;
   while (true) {
-    const std::size_t room = grow(&out.bytes, used, limit);
-    ZSTD_outBuffer place{out.bytes.data() + used, room, 0};
+    const std::size_t space = grow(&out.bytes, used, limit);
+    ZSTD_outBuffer place{out.bytes.data() + used, space, 0};
     const std::size_t hint = ZSTD_decompressStream(stream.get(), &place, &in);
     if (ZSTD_isError(hint) != 0) break;
     used += place.pos;
     out.whole = hint == 0;
-    if (out.whole || room == 0) break;
-    if (in.pos == in.size && place.pos < room) break;
+    if (out.whole || space == 0) break;
+    if (in.pos == in.size && place.pos < space) break;
   }
   out.bytes.resize(used);
   return out;
@@ -74,17 +75,17 @@ Inflated inflate_bz2(std::string_view packed, std::size_t limit) {
   Inflated out;
   std::size_t used = 0;
   while (true) {
-    const std::size_t room = std::min<std::size_t>(grow(&out.bytes, used, limit), 1u << 30);
+    const std::size_t space = std::min<std::size_t>(grow(&out.bytes, used, limit), 1u << 30);
     const auto in = static_cast<unsigned>(std::min<std::size_t>(packed.size(), 1u << 30));
     stream.next_in = const_cast<char*>(packed.data());
     stream.avail_in = in;
     stream.next_out = out.bytes.data() + used;
-    stream.avail_out = static_cast<unsigned>(room);
+    stream.avail_out = static_cast<unsigned>(space);
     const int state = BZ2_bzDecompress(&stream);
     packed.remove_prefix(in - stream.avail_in);
-    used += room - stream.avail_out;
+    used += space - stream.avail_out;
     out.whole = state == BZ_STREAM_END;
-    if (state != BZ_OK || room == 0) break;
+    if (state != BZ_OK || space == 0) break;
     if (packed.empty() && stream.avail_out > 0) break;
   }
   out.bytes.resize(used);

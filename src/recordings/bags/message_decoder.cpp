@@ -94,7 +94,7 @@ class Decoder {
 
  private:
   template <typename T>
-  void value(const FieldNode& field) {
+  void decode_number(const FieldNode& field) {
     sink_.number(field.leaf, static_cast<double>(source_.template number<T>()));
   }
 
@@ -110,16 +110,16 @@ class Decoder {
     if (steps_-- == 0) throw CutShort("more fields than bytes");
     switch (field.kind) {
       case FieldKind::kBool:
-      case FieldKind::kUint8: return value<std::uint8_t>(field);
-      case FieldKind::kInt8: return value<std::int8_t>(field);
-      case FieldKind::kInt16: return value<std::int16_t>(field);
-      case FieldKind::kUint16: return value<std::uint16_t>(field);
-      case FieldKind::kInt32: return value<std::int32_t>(field);
-      case FieldKind::kUint32: return value<std::uint32_t>(field);
-      case FieldKind::kInt64: return value<std::int64_t>(field);
-      case FieldKind::kUint64: return value<std::uint64_t>(field);
-      case FieldKind::kFloat32: return value<float>(field);
-      case FieldKind::kFloat64: return value<double>(field);
+      case FieldKind::kUint8: return decode_number<std::uint8_t>(field);
+      case FieldKind::kInt8: return decode_number<std::int8_t>(field);
+      case FieldKind::kInt16: return decode_number<std::int16_t>(field);
+      case FieldKind::kUint16: return decode_number<std::uint16_t>(field);
+      case FieldKind::kInt32: return decode_number<std::int32_t>(field);
+      case FieldKind::kUint32: return decode_number<std::uint32_t>(field);
+      case FieldKind::kInt64: return decode_number<std::int64_t>(field);
+      case FieldKind::kUint64: return decode_number<std::uint64_t>(field);
+      case FieldKind::kFloat32: return decode_number<float>(field);
+      case FieldKind::kFloat64: return decode_number<double>(field);
       case FieldKind::kString: return sink_.text(field.leaf, source_.text());
       case FieldKind::kTime: return decode_time(field, signed_time_);
       case FieldKind::kDuration: return decode_time(field, true);

@@ -12,6 +12,7 @@ namespace veridyn::bags {
 class ValueSink {
  public:
   virtual ~ValueSink() = default;
+  /// The functions receive each value of a message with the index of its leaf in the plan.
   virtual void number(int leaf, double value) = 0;
   virtual void text(int leaf, std::string_view value) = 0;
   virtual void time(int leaf, std::int64_t nanoseconds) = 0;

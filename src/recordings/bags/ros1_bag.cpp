@@ -49,6 +49,7 @@ std::string text_in(const Fields& fields, std::string_view name) {
   return found == fields.end() ? std::string() : std::string(found->second);
 }
 
+// [ns] since 1970. Throws CutShort without the field `time`.
 std::int64_t time_in(const Fields& fields) {
   const auto found = fields.find("time");
   if (found == fields.end()) throw CutShort("a message without time");

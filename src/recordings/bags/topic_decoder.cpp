@@ -19,7 +19,7 @@ constexpr std::size_t kLongestArray = 256;  // largest number of values that are
 constexpr std::size_t kStreams = 64;        // largest number of different sets of names and sizes on a topic
 constexpr int kDeepestJson = 12;
 
-bool is_last(const std::string& path, const std::string& word) {
+bool ends_with_word(const std::string& path, const std::string& word) {
   return path == word || ends_with(path, "/" + word);
 }
 
@@ -86,8 +86,8 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
   bool positions = false;
   // leaf_of() numbers the leaves in the order of plan_.paths.
   for (const std::string& path : plan_.paths) {
-    names = names || is_last(path, "name");
-    positions = positions || is_last(path, "position");
+    names = names || ends_with_word(path, "name");
+    positions = positions || ends_with_word(path, "position");
     const bool signal = path.find('/') == std::string::npos &&
                         recordings::field_of(path + "/0").signal >= 0;
     useful_ = useful_ || signal;
@@ -105,11 +105,11 @@ int TopicDecoder::leaf_of(const std::string& path) {
   if (!fresh) return at->second;
   Leaf leaf;
   leaf.path = path;
-  if (is_last(path, "name") || is_last(path, "joint_names")) leaf.role = Role::kNames;
-  if (is_last(path, "position")) leaf.role = Role::kPosition;
-  if (is_last(path, "velocity")) leaf.role = Role::kVelocity;
-  if (is_last(path, "effort")) leaf.role = Role::kEffort;
-  if (is_last(path, "stamp")) leaf.role = Role::kStamp;
+  if (ends_with_word(path, "name") || ends_with_word(path, "joint_names")) leaf.role = Role::kNames;
+  if (ends_with_word(path, "position")) leaf.role = Role::kPosition;
+  if (ends_with_word(path, "velocity")) leaf.role = Role::kVelocity;
+  if (ends_with_word(path, "effort")) leaf.role = Role::kEffort;
+  if (ends_with_word(path, "stamp")) leaf.role = Role::kStamp;
   leaves_.push_back(std::move(leaf));
   return at->second;
 }
@@ -153,7 +153,7 @@ void TopicDecoder::add(std::int64_t recorded, std::string_view bytes) {
     bad_reason_ = error.what();
     return;
   }
-  store(recorded);
+  store_row(recorded);
 }
 
 // The columns of the current message. Arrays as long as the message's list of names are signals of these
@@ -181,7 +181,7 @@ std::vector<RawField> TopicDecoder::fields() const {
   return out;
 }
 
-RawStream& TopicDecoder::current_stream() {
+RawStream& TopicDecoder::stream_of_message() {
   std::vector<std::string> key = names_;
   for (const Leaf& leaf : leaves_) key.push_back(std::to_string(leaf.numbers.size()));
   if (!streams_.empty() && key == key_) return streams_[current_];
@@ -198,9 +198,9 @@ RawStream& TopicDecoder::current_stream() {
   return streams_[current_];
 }
 
-void TopicDecoder::store(std::int64_t recorded) {
+void TopicDecoder::store_row(std::int64_t recorded) {
   try {
-    RawStream& out = current_stream();
+    RawStream& out = stream_of_message();
     out.recorded.push_back(
         std::clamp(recorded, std::int64_t{0}, recordings::kLargestTime));
     out.stamped.push_back(stamp_);

@@ -22,11 +22,11 @@ class TopicDecoder : public ValueSink {
   /// Reason if the channel is not decoded; empty if it is.
   const std::string& problem() const { return problem_; }
 
-  void add(std::int64_t recorded, std::string_view bytes);
+  void add(std::int64_t recorded, std::string_view bytes);  ///< decodes a message recorded at this time [ns]
 
   /// The streams, in the order of their first message. Call it once.
   std::vector<recordings::RawStream> extract_streams();
-  long bad_messages() const { return bad_; }
+  long bad_messages() const { return bad_; }  ///< number of messages that could not be decoded
   const std::string& bad_reason() const { return bad_reason_; }
 
   void number(int leaf, double value) override;
@@ -41,10 +41,10 @@ class TopicDecoder : public ValueSink {
     std::vector<double> numbers;  // numbers of the current message
   };
 
-  int leaf_of(const std::string& path);
+  int leaf_of(const std::string& path);  ///< index of a leaf, which is added if it is new
   void decode_json(std::string_view bytes);
-  void store(std::int64_t recorded);
-  recordings::RawStream& current_stream();
+  void store_row(std::int64_t recorded);  ///< appends the collected values as a row
+  recordings::RawStream& stream_of_message();  ///< of messages with these names and lengths
   std::vector<recordings::RawField> fields() const;
 
   Channel channel_;

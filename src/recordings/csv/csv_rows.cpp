@@ -31,7 +31,7 @@ class RowParser {
   RowParser(const CsvLayout& layout, const CsvLines& lines, std::optional<std::int64_t>& first_date)
       : layout_(layout), lines_(lines), first_date_(first_date) {}
 
-  void parse(std::string_view line, std::vector<double>* row) {
+  void parse_row(std::string_view line, std::vector<double>* row) {
     line_ = line;
     p_ = line.data();
     end_ = line.data() + line.size();
@@ -42,7 +42,7 @@ class RowParser {
       if (layout_.slots[column] == CsvLayout::kIgnored) {
         skip_field();
       } else {
-        (*row)[layout_.slots[column]] = number(column);
+        (*row)[layout_.slots[column]] = parsed_number(column);
       }
     }
     if (layout_.separator == ' ') skip_blanks();
@@ -81,7 +81,8 @@ class RowParser {
     }
   }
 
-  double number(std::size_t column) {
+  // The number of a field; kGap if it is empty.
+  double parsed_number(std::size_t column) {
     skip_padding();
     if (at_field_end()) return kGap;
     const char* const first = p_;
@@ -169,11 +170,11 @@ class CsvRows : public RowSource {
   Recording next(int rows) override {
     Recording piece;
     piece.source = lines_.path();
-    int room = std::min(rows, kFirstRows);
-    reserve(room, piece);
+    int space = std::min(rows, kFirstRows);
+    reserve(space, piece);
     int count = 0;
     while (count < rows && next_row()) {
-      if (count == room) reserve(room = room > rows / 2 ? rows : 2 * room, piece);
+      if (count == space) reserve(space = space > rows / 2 ? rows : 2 * space, piece);
       piece.time[count] = row_[CsvLayout::kTime];
       for (std::size_t s = 0; s < layout_.has_signal.size(); ++s) {
         if (!layout_.has_signal[s]) continue;
@@ -189,7 +190,7 @@ class CsvRows : public RowSource {
       piece.current = std::move(piece.tau);
       piece.tau.resize(0, 0);
     }
-    return count == room ? piece : rows_of(piece, 0, count);
+    return count == space ? piece : rows_of(piece, 0, count);
   }
 
   RecordingFacts facts() const override {
@@ -267,7 +268,7 @@ class CsvRows : public RowSource {
     if (!header_.empty() && line == header_)
       throw InvalidInput(text(lines_.path(), ":", lines_.number(), ": found the header again, expected numbers; a second recording begins here: ",
                               "--rows 0:", row_number_, " reads what is before it, --rows ", row_number_ + 1, ": the rest."));
-    RowParser(layout_, lines_, first_date_).parse(line, &row_);
+    RowParser(layout_, lines_, first_date_).parse_row(line, &row_);
     for (std::size_t k = 0; k < scales_.size(); ++k) row_[k] = scales_[k](row_[k]);
     first_line_.clear();
     return true;
@@ -344,7 +345,7 @@ class CsvRows : public RowSource {
     follow_unit(t);
     t = rescaled_ * t + moved_on_;
     if (std::isnan(first_time_)) first_time_ = t;
-    if (t == time_ && (clock_ == RowClock::kMayBeSetBack || before_.size() != row_.size() || repeats_before())) {
+    if (t == time_ && (clock_ == RowClock::kMayBeSetBack || before_.size() != row_.size() || repeats_row_before())) {
       ++repeated_;
       return false;
     }
@@ -363,7 +364,7 @@ class CsvRows : public RowSource {
   // unchanged. Throws if none is allowed.
   double risen_time(double t) {
     if (options_.rate > 0.0) {
-      count_from_here();
+      start_counting_rows();
       return time_ + 1.0 / options_.rate;
     }
     if (t < time_) {
@@ -376,7 +377,7 @@ class CsvRows : public RowSource {
     return t;
   }
 
-  bool repeats_before() const {
+  bool repeats_row_before() const {
     return std::equal(row_.begin() + 1, row_.end(), before_.begin() + 1, [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
   }
 
@@ -386,7 +387,7 @@ class CsvRows : public RowSource {
                                    found, time_, why));
   }
 
-  void count_from_here() {
+  void start_counting_rows() {
     counted_from_ = row_number_;
     counted_time_ = time_;
     remarks_.push_back(text("from row ", row_number_, " on the times do not grow: the rows are counted at ", options_.rate, " Hz, as --rate says."));

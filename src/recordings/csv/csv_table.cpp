@@ -42,14 +42,14 @@ class Table {
   Table(CsvLines& lines, const RecordingOptions& options, CsvHeader header)
       : lines_(lines), options_(options), header_(std::move(header)) {}
 
-  RawRecording read() {
+  RawRecording read_table() {
     const std::string wanted = time_name(options_);
     require(wanted.empty() || std::find(header_.names.begin(), header_.names.end(), wanted) != header_.names.end(), lines_.path(), ": --map t=", wanted,
             ": found no column ", wanted, ", expected one.");
     require(header_.time.recorded || options_.rate > 0.0, lines_.path(), ":", header_.line,
             ": found no column of time, expected one (time, timestamp, t), --map t=NAME or --rate.");
     raw_.format = "CSV";
-    place_columns();
+    assign_columns();
     read_rows();
     if (!rows_.empty()) set_times();
     return std::move(raw_);
@@ -61,7 +61,7 @@ class Table {
     return c == header_.time.recorded || c == header_.time.nanoseconds || c == header_.time.stamped;
   }
 
-  void place_columns() {
+  void assign_columns() {
     std::map<std::string, int> stream_of_topic;
     std::set<std::string> units;
     places_.resize(header_.names.size());
@@ -260,7 +260,7 @@ std::optional<CsvHeader> table_header(CsvLines& lines, const RecordingOptions& o
 }
 
 RawRecording read_csv_table(CsvLines lines, CsvHeader header, const RecordingOptions& options) {
-  return Table(lines, options, std::move(header)).read();
+  return Table(lines, options, std::move(header)).read_table();
 }
 
 }  // namespace veridyn::recordings

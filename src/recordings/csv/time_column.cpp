@@ -43,6 +43,7 @@ int time_name_score(const std::vector<std::string>& words) {
   return 10 - static_cast<int>(words.size());
 }
 
+// [ns] of one unit of the times, by the size of the first ones.
 std::int64_t likely_unit(const std::vector<double>& first_times, bool whole_numbers) {
   const double first = first_times.front();
   if (first > 1e17) return 1;

@@ -78,7 +78,7 @@ class Assembler {
     require(!clock.time.empty(), path_, ": found no row with positions, expected some.");
     Imported out;
     out.recording.source = path_;
-    set_time(clock.time, &out);
+    set_times(clock.time, &out);
     for (int signal = 0; signal < kSignalCount; ++signal) {
       out.recording.*kRecordingSignals[signal].values = values_of(signal, base, &out.facts);
     }
@@ -99,7 +99,7 @@ class Assembler {
     return found->second;
   }
 
-  void set_time(const std::vector<std::int64_t>& time, Imported* out) const {
+  void set_times(const std::vector<std::int64_t>& time, Imported* out) const {
     const bool since_ages = time.front() > kSinceAges;
     const std::int64_t zero = since_ages ? time.front() : 0;
     if (since_ages) out->facts.start = static_cast<double>(zero) * 1e-9;
@@ -108,7 +108,8 @@ class Assembler {
       out->recording.time[static_cast<Eigen::Index>(k)] = static_cast<double>(time[k] - zero) * 1e-9;
   }
 
-  VectorXd column(const FieldPlace& place, int base) {
+  // Values of a field at the times of the stream `base`; interpolated if it belongs to another stream.
+  VectorXd values_of(const FieldPlace& place, int base) {
     const RawStream& stream = raw_.streams[place.stream];
     const auto field = static_cast<std::size_t>(place.field);
     const StreamClock& own = clock_of_stream(base);
@@ -133,7 +134,7 @@ class Assembler {
     for (std::size_t j = 0; j < chosen_.places.size(); ++j) {
       const std::optional<FieldPlace>& place = chosen_.places[j][signal];
       VectorXd one;
-      if (place) one = column(*place, base);
+      if (place) one = values_of(*place, base);
       if (!place || one.array().isNaN().all()) {
         missing.push_back(chosen_.joints[j]);
         continue;

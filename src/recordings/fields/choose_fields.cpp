@@ -84,7 +84,7 @@ int rank_of(const std::string& topic) {
   return rank;
 }
 
-std::vector<std::string> names_of(const std::vector<WantedJoint>& joints) {
+std::vector<std::string> wanted_names(const std::vector<WantedJoint>& joints) {
   std::vector<std::string> names;
   for (const WantedJoint& joint : joints) names.push_back(joint.name);
   return names;
@@ -107,7 +107,7 @@ Candidate candidate_of(const RawRecording& raw, const std::string& topic,
   c.recorded = joints_with_position(raw, topic);
   c.rank = rank_of(topic);
   try {
-    c.match = match_joints(names_of(choice.joints), c.recorded, renamed);
+    c.match = match_joints(wanted_names(choice.joints), c.recorded, renamed);
   } catch (const InvalidInput& error) {
     c.problem = error.what();
     c.match.assign(choice.joints.size(), -1);
@@ -240,7 +240,7 @@ void name_bare_positions(const SignalChoice& choice, RawRecording& raw) {
     for (const RawField& field : stream.fields) names.push_back(field.path);
     std::vector<int> match;
     try {
-      match = match_joints(names_of(choice.joints), names, {});
+      match = match_joints(wanted_names(choice.joints), names, {});
     } catch (const InvalidInput&) {
       continue;
     }

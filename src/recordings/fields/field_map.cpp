@@ -43,7 +43,7 @@ std::optional<long> number_after_prefix(const std::string& name, const std::stri
   return std::stol(name.substr(digits));
 }
 
-std::optional<FieldPlace> column(const RawRecording& raw, const std::string& source) {
+std::optional<FieldPlace> field_by_name(const RawRecording& raw, const std::string& source) {
   const std::string wanted = normalized_name(source);
   return longest_field(raw, [&](const RawStream& stream, const RawField& field) {
     const std::vector<std::string> names = names_of(stream, field);
@@ -97,7 +97,7 @@ std::optional<Key> key_of(const std::string& text) {
 // Finds the column that a source names for one joint's signal.
 void map_one(const RawRecording& raw, const std::string& path, const Key& signal, const std::string& key, const std::string& source, FieldMap* map) {
   const FieldMap::Signal at{signal.signal, signal.joint - 1};
-  const std::optional<FieldPlace> place = column(raw, source);
+  const std::optional<FieldPlace> place = field_by_name(raw, source);
   const std::optional<Key> other = key_of(source);
   if (place) {
     map->places[at] = *place;
@@ -113,7 +113,7 @@ void map_all(const RawRecording& raw, const std::string& path, std::size_t wante
              FieldMap* map) {
   const std::map<long, FieldPlace> found = columns(raw, source);
   if (found.empty()) {
-    const std::optional<FieldPlace> one = column(raw, source);
+    const std::optional<FieldPlace> one = field_by_name(raw, source);
     if (!one) fail(path, key, source, raw);
     map->places[{signal.signal, 0}] = *one;
     return;

@@ -398,6 +398,7 @@ class MendedRows : public RowSource {
     return std::abs(held_.q(k, joint) - held_.q(last, joint)) > reach(last, k - last, joint);
   }
 
+  // True if no joint jumps from row `last` to row k.
   bool continues(int last, int k) const {
     for (int j = 0; j < joints(); ++j) {
       if (is_jump(last, k, j)) return false;

@@ -18,7 +18,7 @@ std::vector<double> list_of(const Column& values) {
   return {values.data(), values.data() + values.size()};
 }
 
-std::vector<double>::iterator place_of(std::vector<double>& values, double share) {
+std::vector<double>::iterator quantile_position(std::vector<double>& values, double share) {
   return values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
 }
 
@@ -81,7 +81,7 @@ double share_of(long count, long rows) {
 double quantile(std::vector<double> values, double share) {
   remove_missing(values);
   if (values.empty()) return kNone;
-  const auto place = place_of(values, share);
+  const auto place = quantile_position(values, share);
   std::nth_element(values.begin(), place, values.end());
   return *place;
 }
@@ -96,10 +96,10 @@ bool quantile_exceeds(const std::vector<double>& values, double share, double bo
 double between_quantiles(std::vector<double> values, double low, double high) {
   remove_missing(values);
   if (values.empty()) return kNone;
-  const auto upper = place_of(values, high);
+  const auto upper = quantile_position(values, high);
   std::nth_element(values.begin(), upper, values.end());
   const double at_high = *upper;
-  const auto lower = place_of(values, low);
+  const auto lower = quantile_position(values, low);
   if (lower != upper) std::nth_element(values.begin(), lower, upper);
   return at_high - *lower;
 }

@@ -47,8 +47,8 @@ struct Channel {
   const RecordingSignal* signal;
   int joint;  ///< joint index from 0
 
-  auto of(const Recording& rows) const { return (rows.*signal->values).col(joint); }
-  bool is(MatrixXd Recording::*values) const { return signal->values == values; }
+  auto of(const Recording& rows) const { return (rows.*signal->values).col(joint); }  ///< the values, one per row
+  bool is(MatrixXd Recording::*values) const { return signal->values == values; }  ///< true: a channel of this signal
   const char* load_word() const { return is(&Recording::tau) ? "torque" : "current"; }
   Place place() const { return {signal->name, joint + 1}; }
   /// Text such as "joint 3 (tau3)".
@@ -85,8 +85,8 @@ int window_rows(const Head& head);
 
 /// A number as text: four significant digits; shares as "12 %"; counts as "1 row", "2 rows".
 std::string number(double value);
-std::string percent(double share);
-std::string counted(long count, const std::string& noun);
+std::string percent(double share);  ///< two digits
+std::string counted(long count, const std::string& noun);  ///< "3 rows"
 
 using Column = Eigen::Ref<const VectorXd>;
 
@@ -101,8 +101,8 @@ double range_of(const Column& values);
 /// Sizes of a column's changes from row to row, zeros excluded; and its smallest usual change, 0 if nothing
 /// changes.
 std::vector<double> changes_of(const Column& values);
-double resolution_of(const Column& values);
-double share_of(long count, long rows);
+double resolution_of(const Column& values);  ///< a low quantile of the changes between values; 0: they never change
+double share_of(long count, long rows);  ///< count / rows
 
 /// True if row k equals row k - 1 in every signal although the arm moves.
 bool is_stale(const Recording& rows, int k);
@@ -116,8 +116,8 @@ double mean_step_product(const Column& q);
 class Tally {
  public:
   virtual ~Tally() = default;
-  virtual void add(const Piece& piece) = 0;
-  virtual void conclude(Findings* findings) const = 0;
+  virtual void add(const Piece& piece) = 0;  ///< rows in order of time
+  virtual void conclude(Findings* findings) const = 0;  ///< adds findings on all rows
 };
 
 /// Finds irregular time steps, other rates and missing rows.

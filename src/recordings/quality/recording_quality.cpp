@@ -19,7 +19,7 @@ using Source = std::function<Recording(int)>;
 // Counts numbers beyond +-1e6 and replaces them by gaps.
 class AbsurdNumbers {
  public:
-  void clear(Recording* rows) {
+  void remove_absurd_numbers(Recording* rows) {
     for (int k = 0; k < rows->rows(); ++k) {
       const long before = numbers_;
       for (const RecordingSignal& signal : kRecordingSignals) {
@@ -35,14 +35,14 @@ class AbsurdNumbers {
     rows_ += rows->rows();
   }
 
-  double share() const { return quality::share_of(bad_rows_, rows_); }
+  double bad_row_share() const { return quality::share_of(bad_rows_, rows_); }
 
   void conclude(quality::Findings* findings) const {
     if (numbers_ == 0) return;
-    findings->add(Severity::kFault, "absurd_numbers", {}, {share(), static_cast<double>(numbers_), "numbers"},
-                  text(quality::counted(numbers_, "number"), " beyond +-1e6 in ", quality::percent(share()), " of the rows, the first at t = ",
+    findings->add(Severity::kFault, "absurd_numbers", {}, {bad_row_share(), static_cast<double>(numbers_), "numbers"},
+                  text(quality::counted(numbers_, "number"), " beyond +-1e6 in ", quality::percent(bad_row_share()), " of the rows, the first at t = ",
                        quality::number(first_time_), " s: the file is broken",
-                       share() < quality::numbers.hopeless_share ? " there." : "; its motion is not judged."));
+                       bad_row_share() < quality::numbers.hopeless_share ? " there." : "; its motion is not judged."));
   }
 
  private:
@@ -78,7 +78,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
   quality.joints = head_rows.joints();
   quality::Findings findings(&quality);
   AbsurdNumbers absurd;
-  absurd.clear(&head_rows);
+  absurd.remove_absurd_numbers(&head_rows);
   const double first_time = head_rows.time[0];
 
   const quality::Head head(head_rows);
@@ -93,7 +93,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
   };
   add({head_rows, 0});
   for (Recording next = source(quality::kPieceRows); next.rows() > 0; next = source(quality::kPieceRows)) {
-    absurd.clear(&next);
+    absurd.remove_absurd_numbers(&next);
     Recording piece = std::move(last);
     const int fresh = piece.rows();
     append(piece, std::move(next));
@@ -134,7 +134,7 @@ std::string capitalised(std::string sentence) {
   return sentence;
 }
 
-std::string line_of(const TopicFacts& topic) {
+std::string topic_line(const TopicFacts& topic) {
   std::string line = text("topic ", topic.name, " (", topic.type, "): ", topic.messages, " messages");
   if (topic.rate > 0.0) line += text(" at ", quality::number(topic.rate), " Hz");
   if (!topic.joints.empty()) line += ", joints " + listed(topic.joints);
@@ -170,7 +170,7 @@ std::string RecordingQuality::report() const {
   if (!facts.matched.empty()) lines += "  " + facts.match() + "\n";
   if (facts.matched.empty() && !facts.joints.empty() && facts.joints.front() != "1")
     lines += "  joints: " + listed(facts.joints) + "\n";
-  for (const TopicFacts& topic : facts.topics) lines += "  " + line_of(topic) + "\n";
+  for (const TopicFacts& topic : facts.topics) lines += "  " + topic_line(topic) + "\n";
   for (const QualityFinding& finding : findings) {
     lines +=
         text("  ", name_of(finding.severity), "  ", finding.finding, ": ", finding.sentence, "\n");

@@ -16,7 +16,8 @@ constexpr int kForeign = -2;  // the column is not measured, or does not belong 
 constexpr int kFiller = -3;   // no information: `actual q 0` means `q 0`
 constexpr int kUnit = -4;
 
-int meaning_of(const std::string& word) {
+// Index of the signal that a word means; negative: none.
+int signal_of_word(const std::string& word) {
   static const std::pair<int, const char*> kWords[] = {
       {kQ, "q pos position positions angle angles qpos theta jointpos posn"},
       {kDq, "dq qd qdot vel velocity velocities speed speeds qvel dtheta omega jointvel"},
@@ -66,7 +67,7 @@ std::string without_unit(const std::string& name) {
   const std::string inner = name.substr(open + 1, name.find_last_of("])") - open - 1);
   if (is_number(inner)) return name;
   // Brackets contain a unit in `q [deg]`, and the joint in `q(elbow)`.
-  const bool unit = name[open] == '[' || (name[open - 1] == ' ') || meaning_of(to_lower(inner)) == kUnit;
+  const bool unit = name[open] == '[' || (name[open - 1] == ' ') || signal_of_word(to_lower(inner)) == kUnit;
   return unit ? name.substr(0, open) : name;
 }
 
@@ -77,7 +78,7 @@ struct Found {
 
 // The signal at word k, with all words that belong to it: `tau J`, `q dot`, `joint position`.
 Found signal_at(const std::vector<Word>& words, std::size_t k) {
-  Found out{meaning_of(words[k].text), k, k};
+  Found out{signal_of_word(words[k].text), k, k};
   if (out.signal < 0) return {};
   const std::string next = k + 1 < words.size() ? words[k + 1].text : "";
   if (out.signal == kQ && (next == "dot" || next == "ddot" || next == "dd")) {
@@ -105,7 +106,7 @@ std::string unit_in(const std::string& name) {
   }
   const std::vector<Word> words = pieces_of(name);
   for (std::size_t k = words.size(); k-- > 1;) {
-    if (!is_number(words[k].text)) return meaning_of(words[k].text) == kUnit ? words[k].text : std::string();
+    if (!is_number(words[k].text)) return signal_of_word(words[k].text) == kUnit ? words[k].text : std::string();
   }
   return {};
 }
@@ -117,7 +118,7 @@ RawField field_of(const std::string& path) {
   std::vector<Word> words;
   for (Word& word : pieces_of(name)) {
     const bool first = words.empty();
-    const int meaning = meaning_of(word.text);
+    const int meaning = signal_of_word(word.text);
     if (meaning == kForeign && !(first && word.text == "d")) return field;
     if (meaning == kFiller || (meaning == kUnit && !first)) continue;
     words.push_back(std::move(word));

@@ -49,7 +49,7 @@ std::string without_sign(const std::string& unit) {
   return unit.substr(starts_with(unit, "-") ? 1 : 0);
 }
 
-bool is_share(const std::string& unit) {
+bool is_share_of_range(const std::string& unit) {
   return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return without_sign(unit) == share.first; });
 }
 
@@ -169,7 +169,7 @@ void require_joints_of(const SignalChoice& choice, int joints, const std::string
     for (const char* signal : {"q", "dq", "tau"}) {
       const UnitScale scale = scale_for(choice, signal, joint);
       const bool shared = static_cast<std::size_t>(joint) <= choice.joints.size();
-      require(std::isfinite(scale.factor) && std::isfinite(scale.zero) && (shared || !is_share(unit_of(choice, signal, joint))), "--units: found '", signal, "=",
+      require(std::isfinite(scale.factor) && std::isfinite(scale.zero) && (shared || !is_share_of_range(unit_of(choice, signal, joint))), "--units: found '", signal, "=",
               unit_of(choice, signal, joint), "', but joint ", joint, " has no ", signal[0] == 't' ? "limit of effort" : "limits of position",
               ", expected a robot file that gives them.");
     }

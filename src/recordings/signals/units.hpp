@@ -15,7 +15,7 @@ struct UnitScale {
   /// hobby servos.
   bool direction_bit = false;
 
-  double operator()(double number) const;
+  double operator()(double number) const;  ///< the number in SI units
   bool changes_nothing() const { return factor == 1.0 && zero == 0.0 && !direction_bit; }
 };
 

@@ -13,7 +13,7 @@ Json verdict_of(const FrictionVerdict& v, const std::string& sentence) {
   return out;
 }
 
-Json study_of(const JointFrictionStudy& j) {
+Json joint_study_json(const JointFrictionStudy& j) {
   const FrictionCurve& c = j.curve;
   Json out = {{"joint", j.joint.value + 1}, {"coordinate", j.coordinate}, {"unit", j.effort}, {"velocity_unit", j.unit + "/s"}};
   Json interval = Json::array();
@@ -39,7 +39,7 @@ std::string to_json(const FrictionStudy& study) {
   out["robot"] = study.robot;
   out["resting"] = study.resting;
   out["held_out"] = study.held_out;
-  out["joints"] = json_each(study.joints, study_of);
+  out["joints"] = json_each(study.joints, joint_study_json);
   out["reason"] = study.reason;
   return json_text(out);
 }

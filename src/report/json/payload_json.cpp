@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-Json interval(double value, double low, double high, const char* unit, bool seen = true) {
+Json interval_json(double value, double low, double high, const char* unit, bool seen = true) {
   if (!seen) return {{"value", nullptr}, {"unit", unit}, {"ci95", nullptr}};
 
   return {{"value", value}, {"unit", unit}, {"ci95", Json::array({low, high})}};
@@ -13,18 +13,18 @@ Json interval(double value, double low, double high, const char* unit, bool seen
 
 Json link_json(const PayloadEstimate& p) {
   Json out = {{"frame", p.frame}, {"same_torques", p.others}};
-  out["mass"] = interval(p.mass, p.mass_low, p.mass_high, "kg");
+  out["mass"] = interval_json(p.mass, p.mass_low, p.mass_high, "kg");
   const char* const axes[] = {"x", "y", "z"};
   for (int c = 0; c < 3; ++c) {
     const bool seen = p.seen[static_cast<std::size_t>(c)];
     out["com"][axes[c]] =
-        interval(p.com[c], p.com[c] - p.com_half_width[c], p.com[c] + p.com_half_width[c], "m", seen && p.has_mass());
-    out["moment"][axes[c]] = interval(p.moment[c], p.moment[c] - p.moment_half_width[c],
+        interval_json(p.com[c], p.com[c] - p.com_half_width[c], p.com[c] + p.com_half_width[c], "m", seen && p.has_mass());
+    out["moment"][axes[c]] = interval_json(p.moment[c], p.moment[c] - p.moment_half_width[c],
                                       p.moment[c] + p.moment_half_width[c], "kg m", seen);
   }
   const char* const entries[] = {"xx", "xy", "yy", "xz", "yz", "zz"};
   for (int c = 0; c < 6; ++c) {
-    out["inertia"][entries[c]] = interval(p.inertia[c], p.inertia[c] - p.inertia_half_width[c],
+    out["inertia"][entries[c]] = interval_json(p.inertia[c], p.inertia[c] - p.inertia_half_width[c],
                                           p.inertia[c] + p.inertia_half_width[c], "kg m^2");
   }
   out["explained"] = p.explained;

@@ -84,7 +84,8 @@ Triangles on_coarse_grid(const Triangles& fine, double cell) {
   return out;
 }
 
-Triangles thinned(const Triangles& whole, int most) {
+// @param most  number of triangles above which vertices are merged.
+Triangles with_fewer_triangles(const Triangles& whole, int most) {
   if (static_cast<int>(whole.corners.size()) <= most) return whole;
   Eigen::Vector3d low = whole.points.front(), high = low;
   for (const Eigen::Vector3d& p : whole.points) {
@@ -129,7 +130,7 @@ Json meshes_json(const Model& arm) {
   const int most = kTrianglesOfArm / static_cast<int>(read.shapes.size());
   for (const LinkShape& shape : read.shapes) {
     const int frame = arm.find_frame(shape.frame);
-    if (frame >= 0) out.push_back(mesh_json(frame, shape, thinned(surface_of(shape), std::max(12, most))));
+    if (frame >= 0) out.push_back(mesh_json(frame, shape, with_fewer_triangles(surface_of(shape), std::max(12, most))));
   }
   return out;
 }

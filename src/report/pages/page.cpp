@@ -14,7 +14,7 @@ namespace {
 // A placeholder's name in the page's source, and the text that replaces it.
 using Part = std::pair<std::string_view, std::string>;
 
-std::string replaced(std::string_view text, char from, std::string_view to) {
+std::string with_replaced(std::string_view text, char from, std::string_view to) {
   std::string out;
   for (const char c : text) {
     if (c == from) {
@@ -27,12 +27,12 @@ std::string replaced(std::string_view text, char from, std::string_view to) {
 }
 
 std::string html_text(std::string_view text) {
-  return replaced(replaced(text, '&', "&amp;"), '<', "&lt;");
+  return with_replaced(with_replaced(text, '&', "&amp;"), '<', "&lt;");
 }
 
 // Escapes JSON for a script element, which "</script>" in a file name would end. Only strings can contain '<'.
 std::string json_in_html(std::string_view json) {
-  return replaced(json, '<', "\\u003c");
+  return with_replaced(json, '<', "\\u003c");
 }
 
 // Replaces every {{name}} in the source by its text.

@@ -29,7 +29,8 @@ struct DatedModel {
   Model model;
 };
 
-std::string written_at(const fs::path& path) {
+// In UTC, as 2026-01-31T12:00:00Z; empty if the file does not exist.
+std::string modification_time(const fs::path& path) {
   struct stat about {};
   if (::stat(path.c_str(), &about) != 0) return "";
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(about.st_mtime));
@@ -153,7 +154,7 @@ Json project_result(const std::string& folder, const std::string& output) {
                                  {"link", fs::relative(path, beside).generic_string()},
                                  {"command", found["command"]},
                                  {"robot", robot},
-                                 {"date", written_at(path)},
+                                 {"date", modification_time(path)},
                                  {"sentences", sentences_of(found)}});
     } else if (extension == ".yaml" || extension == ".yml") {
       try {
@@ -168,7 +169,7 @@ Json project_result(const std::string& folder, const std::string& output) {
                extension == ".db3" || extension == ".npz" || extension == ".mat" ||
                extension == ".h5") {
       result["recordings"].push_back(
-          {{"file", file}, {"date", written_at(path)}, {"bytes", fs::file_size(path)}});
+          {{"file", file}, {"date", modification_time(path)}, {"bytes", fs::file_size(path)}});
     }
   }
   const auto earlier = [](const Json& a, const Json& b) { return a["date"] < b["date"]; };

@@ -40,16 +40,16 @@ class Range {
 
   std::vector<VectorXd> configurations() const {
     const auto n = static_cast<int>(limits_.lower.size());
-    std::vector<VectorXd> all{at(VectorXd::Constant(n, 0.5))};
+    std::vector<VectorXd> all{position_at_share(VectorXd::Constant(n, 0.5))};
     for (int corner = 0; corner < kMostCorners && (n >= 30 || corner < (1 << n)); ++corner) {
       VectorXd share(n);
       for (int i = 0; i < n; ++i) share[i] = i < 30 ? (corner >> i) & 1 : 0;
-      all.push_back(at(share));
+      all.push_back(position_at_share(share));
     }
     for (int k = 1; k <= kSpread; ++k) {
       VectorXd share(n);
       for (int i = 0; i < n; ++i) share[i] = radical_inverse(k, kPrimes[i % 16]);
-      all.push_back(at(share));
+      all.push_back(position_at_share(share));
     }
     return all;
   }
@@ -71,7 +71,7 @@ class Range {
   }
 
  private:
-  VectorXd at(const VectorXd& share) const {
+  VectorXd position_at_share(const VectorXd& share) const {
     return limits_.lower + share.cwiseProduct(limits_.upper - limits_.lower);
   }
 

@@ -80,7 +80,7 @@ void write_children(const Tree& tree, const VectorXd& phi, int parent, const Pos
   }
 }
 
-std::string mjcf(const Tree& tree, const VectorXd& phi) {
+std::string mjcf_of(const Tree& tree, const VectorXd& phi) {
   TextStream out;
   out << std::setprecision(17)
       << "<mujoco><compiler angle='radian' inertiafromgeom='false'/>\n<option gravity='"
@@ -139,7 +139,7 @@ class MujocoEngine final : public Engine {
       const double longest = std::min(kLongestStep, stable_step());
       const int count = std::max(1, static_cast<int>(std::ceil(left / longest - 1e-9)));
       const double h = left / count;
-      const StepStatus status = sliding_clearly(h) ? whole_step(tau, h) : fine_steps(tau, h);
+      const StepStatus status = sliding_clearly(h) ? runge_kutta_step(tau, h) : fine_steps(tau, h);
       if (status != StepStatus::kOk) return status;
       left -= h;
     }
@@ -154,7 +154,7 @@ class MujocoEngine final : public Engine {
 
   void load(const Model& arm) {
     const Tree tree(arm);
-    const std::string xml = mjcf(tree, *arm.inertial_values());
+    const std::string xml = mjcf_of(tree, *arm.inertial_values());
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
     mj_makeEmptyFileVFS(files.get(), "arm.xml", static_cast<int>(xml.size()));
@@ -204,7 +204,7 @@ class MujocoEngine final : public Engine {
     }
   }
 
-  bool finite(const VectorRef& tau, const VectorXd& q, const VectorXd& dq) noexcept {
+  bool is_finite(const VectorRef& tau, const VectorXd& q, const VectorXd& dq) noexcept {
     for (int i = 0; i < n_; ++i) {
       if (std::isfinite(tau[i]) && std::isfinite(q[i]) && std::isfinite(dq[i])) continue;
       failed_ = i;
@@ -215,7 +215,7 @@ class MujocoEngine final : public Engine {
 
   StepStatus acceleration(const VectorRef& tau, const VectorXd& q, const VectorXd& dq, double time,
                           VectorXd& ddq) noexcept {
-    if (!finite(tau, q, dq)) return StepStatus::kNotFinite;
+    if (!is_finite(tau, q, dq)) return StepStatus::kNotFinite;
     rigid_bodies(q, dq);
     diagonal_ = M_.diagonal();
     sum_ = bias_;
@@ -268,7 +268,7 @@ class MujocoEngine final : public Engine {
     return StepStatus::kOk;
   }
 
-  StepStatus whole_step(const VectorRef& tau, double h) noexcept {
+  StepStatus runge_kutta_step(const VectorRef& tau, double h) noexcept {
     return runge_kutta(
         [&](const VectorXd& q, const VectorXd& dq, double time, VectorXd& ddq) {
           return acceleration(tau, q, dq, time, ddq);
@@ -283,11 +283,11 @@ class MujocoEngine final : public Engine {
     dq_trial_ = dq_ + 0.5 * h * ddq_;
     for (int i = 0; i < n_; ++i)  // friction stops a joint and does not reverse it
       if (dq_[i] * dq_trial_[i] < 0.0) dq_trial_[i] = 0.0;
-    if (!finite(tau, q_trial_, dq_trial_)) return StepStatus::kNotFinite;
+    if (!is_finite(tau, q_trial_, dq_trial_)) return StepStatus::kNotFinite;
     rigid_bodies(q_trial_, dq_trial_);
     if (!cholesky_in_place(M_.data(), n_)) return StepStatus::kNotPositive;
     const auto of_effects = [&](const VectorXd& q, const VectorXd& dq, double time, VectorXd& ddq) {
-      if (!finite(tau, q, dq)) return StepStatus::kNotFinite;
+      if (!is_finite(tau, q, dq)) return StepStatus::kNotFinite;
       sum_ = bias_;
       add_effects(time, q, dq, sum_);
       ddq = tau - sum_;

@@ -30,8 +30,8 @@ class PlantForces {
   /// @throws InvalidInput  an effect has no values.
   explicit PlantForces(const Model& arm);
 
-  const MatrixXd& inertia() const { return inertia_; }
-  const MatrixXd& damping() const { return damping_; }
+  const MatrixXd& inertia() const { return inertia_; }  ///< (n x n) of affine effects
+  const MatrixXd& damping() const { return damping_; }  ///< (n x n) of affine effects
   const std::vector<std::string>& left_out() const { return left_out_; }
 
   /// Starts the memories at these positions and velocities, with time zero.
@@ -50,14 +50,14 @@ class PlantForces {
 
   /// Number of directions of dry friction; entry k acts along axis(k).
   int dry() const { return static_cast<int>(dry_.size()); }
-  const double* axis(int k) const { return dry_[k].direction.data(); }
+  const double* axis(int k) const { return dry_[k].direction.data(); }  ///< direction of dry axis k, (n)
   double velocity(int k, const double* dq) const {
     return along(dry_[k].line, dq);
   }
 
   /// The sliding force of axis k in `direction` (+1, -1) at this speed.
   double sliding(int k, double time, const double* q, double velocity, int direction) const;
-  Interval at_rest(int k, double time, const double* q) const;
+  Interval at_rest(int k, double time, const double* q) const;  ///< [N m], [N] friction of dry axis k at rest
 
   /// Power [W] that friction without memory dissipates at joint i alone at this speed, the smaller
   /// one of both directions; negative if it drives.
@@ -107,13 +107,13 @@ class PlantForces {
     for (const Entry& e : line) sum += e.coefficient * x[e.coordinate];
     return sum;
   }
-  static double force(const Term& term, const AxisSample& x, EffectState& state);
+  static double force(const Term& term, const AxisSample& x, EffectState& state);  ///< of a term at x; advances its memory
   static Affine affine(const Term& term);
-  static bool is_zero(const Term& term);
+  static bool is_zero(const Term& term);  ///< all parameters are zero
   AxisSample sample(const Term& term, double time, const double* q, const double* dq) const;
   Term bound(const Model& arm, const EffectTerm& of);
-  void add_affine(const EffectTerm& of, const Affine& force);
-  void add_dry(const EffectTerm& of, const Term& term);
+  void add_affine(const EffectTerm& of, const Affine& force);  ///< to inertia_, damping_ and the constant part
+  void add_dry(const EffectTerm& of, const Term& term);  ///< to the dry axis with the same direction
 
   int n_;
   MatrixXd inertia_, damping_, stiffness_;

@@ -52,8 +52,8 @@ struct Plant::State {
         torques(k2),
         effects(k2) {}
 
-  bool evaluate(Instant& at);
-  bool factor(Instant& at);
+  bool evaluate(Instant& at);  ///< rigid bodies and biases at its state; false: mass matrix not positive definite
+  bool factor(Instant& at);  ///< Cholesky factor L of M and rotors; false: not positive definite
   bool evaluate_middle();
   bool last_stage(const VectorRef& tau, double h);
   void change_middle_velocity(double h);
@@ -64,14 +64,14 @@ struct Plant::State {
   bool nystroem(const VectorRef& tau, double h);
   double error(const VectorRef& tau, double h);
   double velocity(int axis, const VectorXd& dq) const;
-  int velocity_sign(int axis) const;
+  int velocity_sign(int axis) const;  ///< -1, 0 or 1
   double time_to_rest(int axis) const;
   int first_reversal() const;
   bool locate(const VectorRef& tau, double* h);
   StepStatus substep(const VectorRef& tau, double* h, double smallest);
   StepStatus step_failure(bool finite, bool sound);
-  void commit();
-  void add_up_effects();
+  void commit();  ///< makes `there` the present instant; axes that came to rest stick
+  void add_up_effects();  ///< torques of all effects at the present instant
 
   int n;
   PlantOptions options;

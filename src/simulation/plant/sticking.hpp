@@ -48,11 +48,11 @@ class Sticking {
 
   /// True if axis k was at rest at the last resolve_friction(), which found this force for it.
   bool was_at_rest(int k) const { return decided_[k] != 0; }
-  double force(int k) const { return lambda_[k]; }
+  double force(int k) const { return lambda_[k]; }  ///< [N m], [N] of axis k at rest
 
  private:
   void collect();  // computes rest_ and its derived members
-  bool stays_at_rest(const double* held);
+  bool stays_at_rest(const double* held);  ///< true: friction holds all axes at rest, with the forces that it stores
   void release(const double* L, double* y);
   // Computes shares_: the map from a force within the span to the smallest forces of the axes.
   void invert();

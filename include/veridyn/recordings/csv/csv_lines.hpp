@@ -32,8 +32,8 @@ class CsvLines {
   const std::string& path() const { return bytes_.path(); }
 
  private:
-  bool next_raw(std::string_view* line);
-  void read_more();
+  bool next_raw(std::string_view* line);  ///< the next line, comments included; false at the end
+  void read_more();  ///< throws if a line gets too long
   void skip_byte_order_mark();
 
   ByteStream bytes_;

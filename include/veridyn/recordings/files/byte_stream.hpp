@@ -22,7 +22,7 @@ class ByteStream {
   /// Reads more data. False at the end of the file or on an error.
   bool read_on();
   std::string_view unread() const { return {buffer_.data() + begin_, end_ - begin_}; }
-  void consume(std::size_t bytes) { begin_ += bytes; }
+  void consume(std::size_t bytes) { begin_ += bytes; }  ///< removes bytes from the beginning of unread()
   bool at_end() const { return at_end_; }
   int error() const { return error_; }  ///< errno of the last read, or 0
 
