@@ -73,16 +73,16 @@ MotionSamples sampled_motion(const std::vector<Part>& parts, const VectorXd& res
   return out;
 }
 
-// The pass at one speed with the largest displacement that fits into `room`, which has the sign of the
+// The pass at one speed with the largest displacement that fits into `space`, which has the sign of the
 // direction; empty if none fits.
-std::vector<Part> longest_pass(double speed, double room, double acceleration) {
-  const double way = kRoom * std::abs(room);
+std::vector<Part> longest_pass(double speed, double space, double acceleration) {
+  const double way = kRoom * std::abs(space);
   // The largest acceleration of a ramp is 1.5 times its speed over its duration.
   const double ramp = std::max(kShortestRamp, 1.5 * speed / acceleration);
   const double extra = 0.5 * ramp + 2.0 * kOvershoot * ramp;
   const double hold = std::min(kWayOut, way / speed - extra);
   if (hold < kShortestWay) return {};
-  return pass(room > 0.0 ? speed : -speed, hold, ramp);
+  return pass(space > 0.0 ? speed : -speed, hold, ramp);
 }
 
 }  // namespace
@@ -97,9 +97,9 @@ MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest,
     for (int k = 0; k < passes; ++k) {
       const double share = passes > 1 ? static_cast<double>(k) / (passes - 1) : 0.5;
       const double speed = limits.velocity[i] * kSlowest * std::pow(kFastest / kSlowest, share);
-      double room = above > -below ? above : below;
-      for (int halving = 0; halving <= kHalvings; ++halving, room *= 0.5) {
-        const std::vector<Part> parts = longest_pass(speed, room, limits.acceleration[i]);
+      double space = above > -below ? above : below;
+      for (int halving = 0; halving <= kHalvings; ++halving, space *= 0.5) {
+        const std::vector<Part> parts = longest_pass(speed, space, limits.acceleration[i]);
         if (parts.empty()) break;
         const MotionSamples one = sampled_motion(parts, rest, i, rate);
         if (!keeps(one)) continue;

@@ -57,7 +57,7 @@ class ColumnsInPieces {
   explicit ColumnsInPieces(EffectFacts facts) : facts_(std::move(facts)), effect_(facts_.bound()) {}
   const EffectFacts& facts() const { return facts_; }
   void reset() { effect_.reset(); }
-  MatrixXd next(const std::vector<AxisSample>& samples);
+  MatrixXd next(const std::vector<AxisSample>& samples);  ///< (samples x parameters) of the next samples, memories continued
 
   /// Samples of the effect's axis along a motion, as by axis_samples().
   std::vector<AxisSample> samples(const MotionView& motion, const MatrixXd& load) const {

@@ -22,7 +22,7 @@ constexpr size_t kVelocity = 1;
 constexpr double kStep = 1e-5;
 
 template <typename Rows>
-EffectColumns slope(const Rows& at, int count, double step) {
+EffectColumns central_difference(const Rows& at, int count, double step) {
   const EffectColumns far_above = at(2.0 * step);
   const EffectColumns above = at(step);
   const EffectColumns below = at(-step);
@@ -34,7 +34,7 @@ EffectColumns slope(const Rows& at, int count, double step) {
   return out;
 }
 
-double weighted(const EffectColumns& row, const double* weights, Eigen::Index stride, int count) {
+double weighted_sum(const EffectColumns& row, const double* weights, Eigen::Index stride, int count) {
   double sum = 0.0;
   for (int p = 0; p < count; ++p) sum += row[p] * weights[p * stride];
   return sum;
@@ -101,7 +101,7 @@ class EffectSource final : public ColumnSource {
   const VectorXd& axis() const { return bound_.term().axis.coefficients; }
   bool uses_load() const { return bound_.traits().uses_load && phi_.has_value(); }
 
-  EffectColumns plain(const AxisSample& x, EffectState& state) const {
+  EffectColumns columns_at(const AxisSample& x, EffectState& state) const {
     EffectColumns row{};
     bound_.effect().columns(x, bound_.shape(), state, row);
     return row;
@@ -111,13 +111,13 @@ class EffectSource final : public ColumnSource {
   //   (1 + v/r)/2 f(r) + (1 - v/r)/2 f(-r),   r = sqrt(v^2 + rounding^2).
   // Terms that are even or linear in the velocity change by rounding^2 / v^2 only.
   EffectColumns rounded(const AxisSample& x, EffectState& state) const {
-    if (rounding_ <= 0.0) return plain(x, state);
+    if (rounding_ <= 0.0) return columns_at(x, state);
     const double r = std::hypot(x.ds, rounding_);
     AxisSample side = x;
     side.ds = r;
-    const EffectColumns forth = plain(side, state);
+    const EffectColumns forth = columns_at(side, state);
     side.ds = -r;
-    const EffectColumns back = plain(side, state);
+    const EffectColumns back = columns_at(side, state);
     EffectColumns row{};
     for (size_t p = 0; p < row.size(); ++p) {
       row[p] = 0.5 * ((1.0 + x.ds / r) * forth[p] + (1.0 - x.ds / r) * back[p]);
@@ -149,9 +149,9 @@ class EffectSource final : public ColumnSource {
           EffectState state{};
           return rounded(x, state);
         };
-        const EffectColumns d = slope(at, count(), step_of(input, samples[k]));
+        const EffectColumns d = central_difference(at, count(), step_of(input, samples[k]));
         by_input(row, static_cast<Eigen::Index>(input)) =
-            weighted(d, w.data() + row, w.rows(), count());
+            weighted_sum(d, w.data() + row, w.rows(), count());
       }
     }
   }
@@ -169,15 +169,15 @@ class EffectSource final : public ColumnSource {
     EffectState state{};
     for (size_t k = 0; k < samples.size(); ++k) {
       before[k] = state;
-      plain(samples[k], state);
+      columns_at(samples[k], state);
     }
     std::array<double, kMaxEffectStates> lambda{};
     for (size_t k = samples.size(); k-- > 0;) {
       const auto row = static_cast<Eigen::Index>(k);
       const auto value = [&](const AxisSample& x, const EffectState& from) {
         EffectState to = from;
-        const EffectColumns columns = plain(x, to);
-        double sum = weighted(columns, w.data() + row, w.rows(), count());
+        const EffectColumns columns = columns_at(x, to);
+        double sum = weighted_sum(columns, w.data() + row, w.rows(), count());
         for (size_t e = 0; e < to.size(); ++e) sum += lambda[e] * to[e];
         return EffectColumns{sum};
       };
@@ -189,7 +189,7 @@ class EffectSource final : public ColumnSource {
           return value(x, before[k]);
         };
         by_input(row, static_cast<Eigen::Index>(input)) =
-            slope(at, 1, step_of(input, samples[k]))[0];
+            central_difference(at, 1, step_of(input, samples[k]))[0];
       }
       std::array<double, kMaxEffectStates> next{};
       for (size_t e = 0; e < next.size(); ++e) {
@@ -198,7 +198,7 @@ class EffectSource final : public ColumnSource {
           moved[e] += step;
           return value(samples[k], moved);
         };
-        next[e] = slope(at, 1, step_)[0];
+        next[e] = central_difference(at, 1, step_)[0];
       }
       lambda = next;
     }

@@ -53,6 +53,7 @@ void for_each_command(const CLI::App& command, const std::string& name, const Vi
     for_each_command(*below, name + " " + below->get_name(), visit);
 }
 
+// Columns of the terminal, between 60 and 120; 100 without a terminal.
 size_t terminal_width() {
   winsize size{};
   const bool terminal = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;

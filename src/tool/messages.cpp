@@ -42,7 +42,7 @@ void to_standard_error(fmt::format_string<Parts...> format, Parts&&... parts) {
 // Estimates the remaining time, once enough work is done.
 class Estimate {
  public:
-  std::string left(double done) const {
+  std::string remaining_time_text(double done) const {
     const double passed = seconds_since(begun_);
     if (done < kFirstEstimate || passed < kShort || done >= 1.0) return "";
     return fmt::format(", about {:.0f} s left", passed * (1.0 - done) / done);
@@ -60,7 +60,7 @@ class Bar {
     if (share < 1.0 && drawn_ && seconds_since(*drawn_) < kRedraw) return;
     drawn_ = Clock::now();
     const int filled = static_cast<int>(kBarWidth * done_);
-    const std::string left = estimate_.left(done_);
+    const std::string left = estimate_.remaining_time_text(done_);
     const bool colour = std::getenv("NO_COLOR") == nullptr;
     to_standard_error("{}[{}{:<{}}{}] {:3.0f} % {}{}", kClearLine, colour ? "\033[36m" : "",
                std::string(static_cast<std::size_t>(filled), '#'), kBarWidth, colour ? "\033[0m" : "",
@@ -83,7 +83,7 @@ class Lines {
     if (stage == stage_ && seconds_since(said_) < kQuietFor) return;
     stage_ = stage;
     said_ = Clock::now();
-    print_message(what + estimate_.left(share));
+    print_message(what + estimate_.remaining_time_text(share));
   }
 
  private:

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool can_run(const fs::path& file) {
+bool is_executable(const fs::path& file) {
   std::error_code error;
   return fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0;
 }
@@ -29,11 +29,11 @@ bool can_run(const fs::path& file) {
 std::string found_program(const std::string& name) {
   std::error_code unknown;
   const fs::path beside = fs::read_symlink("/proc/self/exe", unknown).parent_path() / name;
-  if (!unknown && can_run(beside)) return beside.string();
+  if (!unknown && is_executable(beside)) return beside.string();
   const char* const path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
-    if (!folder.empty() && can_run(fs::path(folder) / name)) return (fs::path(folder) / name).string();
+    if (!folder.empty() && is_executable(fs::path(folder) / name)) return (fs::path(folder) / name).string();
   }
   return {};
 }

@@ -30,10 +30,10 @@ struct NamedFile {
   fs::path path;
 };
 
-bool is_output(const CLI::Option& option) { return option.get_type_name() == kOutputType; }
+bool is_output_option(const CLI::Option& option) { return option.get_type_name() == kOutputType; }
 
 // The absolute path of a file that may not exist yet.
-fs::path place(const std::string& path) {
+fs::path absolute_path(const std::string& path) {
   std::error_code error;
   const fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? fs::path(path) : out;
@@ -94,17 +94,17 @@ void check_command_arguments(const CLI::App& command) {
       if (word.empty() && option->get_expected_min() > 0)
         throw CLI::ValidationError(name, "found an empty word, expected " +
                                              (option->get_option_text().empty() ? "a value" : option->get_option_text()));
-      if (is_output(*option)) {
+      if (is_output_option(*option)) {
         // Several outputs may go to one device.
         std::error_code error;
         if (!fs::exists(word, error) || fs::is_regular_file(word, error))
-          outputs.push_back({name, place(word)});
+          outputs.push_back({name, absolute_path(word)});
         continue;
       }
       expect_finite(name, word);
       std::error_code error;
       if (!number_in(word) && fs::is_regular_file(word, error))
-        inputs.push_back({name, place(word)});
+        inputs.push_back({name, absolute_path(word)});
     }
   }
   for (size_t k = 0; k < outputs.size(); ++k) {
@@ -147,7 +147,7 @@ CLI::Option* add_output_option(CLI::App& command, const std::string& option, std
 void require_separate_output(const std::string& option, const std::string& output,
                   const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) {
-    if (!output.empty() && same_file(place(output), place(input)))
+    if (!output.empty() && same_file(absolute_path(output), absolute_path(input)))
       throw CLI::ValidationError(option, "found '" + output + "', which is read, expected another file");
   }
 }

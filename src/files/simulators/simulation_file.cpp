@@ -229,7 +229,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     }
   }
 
-  void inertial(pugi::xml_node node, const InertialParameters& phi, const Posed& T_body_frame, const std::string& name) {
+  void set_inertial(pugi::xml_node node, const InertialParameters& phi, const Posed& T_body_frame, const std::string& name) {
     const PrincipalBody p = principal_body(phi.data(), T_body_frame);
     require(phi[0] > 0.0 && p.possible(), "export: the body ", name, " of '", arm_.name(), "' has a mass of ", phi[0],
             " kg and the principal moments ", p.moments[0], ", ", p.moments[1], ", ", p.moments[2],
@@ -271,7 +271,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     } else {
       node = body.prepend_child("inertial");
     }
-    inertial(node, *mine.body->phi, frame_in_body(mine.name), mine.name);
+    set_inertial(node, *mine.body->phi, frame_in_body(mine.name), mine.name);
   }
 
   bool add_body(const Frame& mine) {
@@ -290,7 +290,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     set(body, "name", mine.name);
     set(body, "pos", xml_vector(T.p));
     set(body, "quat", quaternion_text(eigen(T.R)));
-    inertial(body.append_child("inertial"), *mine.body->phi, identity_pose(), mine.name);
+    set_inertial(body.append_child("inertial"), *mine.body->phi, identity_pose(), mine.name);
     return true;
   }
 
@@ -318,22 +318,23 @@ class UpdatedSdf : public UpdatedSimulation {
 
   UpdatedFile file() {
     update_inertials();
-    bodies([this](const Frame& mine, const Frame&) { inertial(find("link", mine.name), *mine.body->phi); },
+    bodies([this](const Frame& mine, const Frame&) { set_inertial(find("link", mine.name), *mine.body->phi); },
            [this](const Frame& mine) { return add_link(mine); });
     update_effects([this](const std::string& joint, const char* value, double now) { return change_joint(joint, value, now); }, false);
     return finish();
   }
 
  private:
-  static pugi::xml_node child(pugi::xml_node above, const char* name) {
+  // The child element, which is added if there is none.
+  static pugi::xml_node child_or_new(pugi::xml_node above, const char* name) {
     const pugi::xml_node found = above.child(name);
     return found ? found : above.append_child(name);
   }
 
-  void inertial(pugi::xml_node link, const InertialParameters& phi) {
+  void set_inertial(pugi::xml_node link, const InertialParameters& phi) {
     const std::optional<PhysicalBody> body = physical_body(phi);
     require(body.has_value(), "export: a body of '", arm_.name(), "' has no mass, expected one above zero.");
-    pugi::xml_node node = child(link, "inertial");
+    pugi::xml_node node = child_or_new(link, "inertial");
     while (node.first_child()) node.remove_child(node.first_child());
     node.append_child("pose").text().set((xml_vector(body->com) + " 0 0 0").c_str());
     node.append_child("mass").text().set(xml_number(body->mass).c_str());
@@ -352,7 +353,7 @@ class UpdatedSdf : public UpdatedSimulation {
     pugi::xml_node pose = link.append_child("pose");
     set(pose, "relative_to", parent);
     pose.text().set((xml_vector(T.p) + " " + xml_vector(rpy_from_rotation(T.R))).c_str());
-    inertial(link, *mine.body->phi);
+    set_inertial(link, *mine.body->phi);
     pugi::xml_node joint = above.parent().append_child("joint");
     set(joint, "name", mine.name + "__fixed");
     set(joint, "type", std::string("fixed"));
@@ -364,7 +365,7 @@ class UpdatedSdf : public UpdatedSimulation {
   bool change_joint(const std::string& joint, const char* value, double now) {
     const std::string what = value;
     const char* name = what == "stiffness" ? "spring_stiffness" : what == "spring" ? "spring_reference" : value;
-    child(child(child(find("joint", joint), "axis"), "dynamics"), name).text().set(xml_number(now).c_str());
+    child_or_new(child_or_new(child_or_new(find("joint", joint), "axis"), "dynamics"), name).text().set(xml_number(now).c_str());
     return true;
   }
 };

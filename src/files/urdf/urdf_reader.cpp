@@ -43,8 +43,8 @@ class UrdfReader {
     if (model_.name.empty()) xml_.fail(robot, "a robot without a name", "<robot name=\"...\">");
     model_.source = xml_.path();
     model_.values = RobotValues::kPrior;
-    for (const pugi::xml_node e : robot.children("link")) link(e);
-    for (const pugi::xml_node e : robot.children("joint")) joint(e);
+    for (const pugi::xml_node e : robot.children("link")) read_link(e);
+    for (const pugi::xml_node e : robot.children("joint")) read_joint(e);
     const std::string root = root_link();
     for (std::size_t j = 0; j < moving_.size(); ++j) follow(j);
     variables_ = joint_variables(xml_, moving_, model_.coordinates);
@@ -123,7 +123,7 @@ class UrdfReader {
     return T;
   }
 
-  void link(pugi::xml_node e) {
+  void read_link(pugi::xml_node e) {
     register_name(e, links_);
     const pugi::xml_node inertial = e.child("inertial"), inertia = inertial.child("inertia");
     const std::string whose = element_and_name(e);
@@ -162,7 +162,7 @@ class UrdfReader {
     return name;
   }
 
-  void joint(pugi::xml_node e) {
+  void read_joint(pugi::xml_node e) {
     register_name(e, joints_);
     const std::string whose = element_and_name(e);
     const std::string type = e.attribute("type").value();

@@ -27,41 +27,41 @@ class ModelWriter {
   explicit ModelWriter(const Model& arm) : arm_(arm), d_(arm.description()), numbers_(d_) {}
 
   std::string yaml() {
-    header();
-    coordinates();
+    write_header();
+    write_coordinates();
     const auto has_row = [](const Frame& frame) { return frame.dh.has_value(); };
     const bool has_rows = std::any_of(d_.frames.begin(), d_.frames.end(), has_row);
-    line(has_rows ? "frames:  # dh: [a, alpha, d, theta]" : "frames:");
-    for (const Frame& frame : d_.frames) line("  - {" + frame_text(frame) + "}");
-    if (!d_.effects.empty()) line("effects:");
+    write_line(has_rows ? "frames:  # dh: [a, alpha, d, theta]" : "frames:");
+    for (const Frame& frame : d_.frames) write_line("  - {" + frame_text(frame) + "}");
+    if (!d_.effects.empty()) write_line("effects:");
     for (std::size_t i = 0; i < d_.effects.size(); ++i)
-      line("  - {" + effect_text(d_.effects[i], text("effects/", i)) + "}");
-    if (!d_.arm_effects.empty()) line("arm_effects:");
+      write_line("  - {" + effect_text(d_.effects[i], text("effects/", i)) + "}");
+    if (!d_.arm_effects.empty()) write_line("arm_effects:");
     for (std::size_t i = 0; i < d_.arm_effects.size(); ++i)
-      line("  - {" + effect_text(d_.arm_effects[i], text("arm_effects/", i)) + "}");
+      write_line("  - {" + effect_text(d_.arm_effects[i], text("arm_effects/", i)) + "}");
     if (d_.identified) out_ += identified_text(*d_.identified);
     return std::move(out_);
   }
 
  private:
-  void line(const std::string& content) { out_ += content + "\n"; }
+  void write_line(const std::string& content) { out_ += content + "\n"; }
 
-  void header() {
-    line("veridyn: 1");
-    line("name: " + quoted_if_needed(d_.name));
-    if (!d_.source.empty()) line("source: " + quoted_if_needed(d_.source));
-    if (d_.values == RobotValues::kPrior) line("values: prior");
-    line("gravity: " + numbers_.list("gravity", d_.gravity));
-    if (const auto convention = common_convention()) line("convention: " + name_of(*convention));
+  void write_header() {
+    write_line("veridyn: 1");
+    write_line("name: " + quoted_if_needed(d_.name));
+    if (!d_.source.empty()) write_line("source: " + quoted_if_needed(d_.source));
+    if (d_.values == RobotValues::kPrior) write_line("values: prior");
+    write_line("gravity: " + numbers_.list("gravity", d_.gravity));
+    if (const auto convention = common_convention()) write_line("convention: " + name_of(*convention));
     constants();
     const std::string box = box_text("box", d_.box);
-    if (!box.empty()) line(box);
+    if (!box.empty()) write_line(box);
   }
 
   // Writes constants before those that depend on them.
   void constants() {
     if (d_.constants.empty()) return;
-    line("constants:");
+    write_line("constants:");
     Constants written;
     Constants left = d_.constants;
     while (!left.empty()) {
@@ -71,7 +71,7 @@ class ModelWriter {
       });
       const bool as_it_was = next != left.end();
       if (!as_it_was) next = left.begin();
-      line("  " + next->first + ": " +
+      write_line("  " + next->first + ": " +
            (as_it_was ? numbers_.number("constants/" + next->first, next->second)
                       : shortest(next->second)));
       written.insert(*next);
@@ -104,8 +104,8 @@ class ModelWriter {
     return parts.empty() ? "" : "box: {" + joined(parts) + "}";
   }
 
-  void coordinates() {
-    line("coordinates:");
+  void write_coordinates() {
+    write_line("coordinates:");
     for (const Coordinate& c : d_.coordinates) {
       const std::string place = "coordinates/" + c.name;
       std::vector<std::string> parts{"name: " + quoted_if_needed(c.name)};
@@ -117,7 +117,7 @@ class ModelWriter {
       if (!recorded.empty()) parts.push_back("recorded: {" + recorded + "}");
       if (c.drive_gain_deviation != 0.0)
         parts.push_back("drive_gain_std: " + deviation_text(c.drive_gain_deviation));
-      line("  - {" + joined(parts) + "}");
+      write_line("  - {" + joined(parts) + "}");
     }
   }
 

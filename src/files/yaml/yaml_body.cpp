@@ -75,6 +75,7 @@ InertialParameters read_deviations(const YamlNode& node) {
   return deviations;
 }
 
+// The positive number of a key; 0, for no bound, without the key.
 double read_bound(const YamlNode& node, const std::string& key) {
   const auto value = node.find(key);
   return value ? value->positive_number() : 0.0;

@@ -12,7 +12,7 @@ namespace veridyn {
 constexpr double kYamlRounding =
     1e-15;  ///< rounding error allowed in a file, relative to 1 + |number|
 
-bool same_in_yaml(double a, double b);
+bool same_in_yaml(double a, double b);  ///< equal but for the rounding of files
 
 /// Zero for a number far below the rounding of poses, whose entries are about 1.
 double without_noise(double value);

@@ -108,7 +108,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
                  text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
   } else {
     time->conclude(&findings);
-    if (absurd.share() < quality::numbers.hopeless_share) {
+    if (absurd.bad_row_share() < quality::numbers.hopeless_share) {
       jumps->conclude(&findings);
       clips->conclude(&findings);
       for (const auto check : {quality::check_motion, quality::check_velocities, quality::check_stale_signals, quality::check_saturated_plateaus,
