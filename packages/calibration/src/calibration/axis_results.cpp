@@ -56,7 +56,7 @@ std::vector<int> frames_at_rest(const HingeBundle& bundle, int hinge) {
   return best;
 }
 
-double mean_over(const VectorXd& values, const std::vector<int>& over) {
+double mean_of_selected(const VectorXd& values, const std::vector<int>& over) {
   double sum = 0.0;
   for (const int k : over) sum += values[k];
   return over.empty() ? 0.0 : sum / static_cast<double>(over.size());
@@ -98,7 +98,7 @@ Vector3d plane_offset(const Line& a, const Line& b, const Vector3d& at) {
   return plane_intersection(b, n, at) - plane_intersection(a, n, at);
 }
 
-double angle_between(const Line& a, const Line& b) {
+double acute_angle_between(const Line& a, const Line& b) {
   const double c = std::abs(a.direction.dot(b.direction));
   return std::atan2(a.direction.cross(b.direction).norm(), c);
 }
@@ -121,7 +121,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   out.frames = static_cast<int>(rest.size());
   const std::vector<int> above = bundle.path_from_root(hinge);
   VectorXd mean = VectorXd::Zero(bundle.tree().hinges.size());
-  for (const int j : above) mean[j] = mean_over(bundle.angles(j), rest);
+  for (const int j : above) mean[j] = mean_of_selected(bundle.angles(j), rest);
   // The line at the position where the joints above rested.
   const auto line_at = [&](const VectorXd& step, const VectorXd& angles) {
     Line line = bundle.line(hinge, step);
@@ -181,7 +181,7 @@ CalibratedLink link_result(const HingeBundle& bundle, int first, int second, int
     const Line lb = bundle.line(second, step);
     VectorXd v(3);
     v << normal_distance(la, lb, normal), plane_offset(la, lb, level).dot(offset),
-        angle_between(la, lb);
+        acute_angle_between(la, lb);
     return v;
   };
   const VectorXd at = values(VectorXd::Zero(bundle.shared_size()));

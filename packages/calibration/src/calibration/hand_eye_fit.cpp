@@ -33,12 +33,12 @@ class PairProblem {
   }
 
   PairFit fit() {
-    start();
-    measure();
+    set_initial_poses();
+    measure_noise();
     out_.is_outlier.assign(A_.size(), 0);
     for (int round = 0; round < kRounds; ++round) {
       solve(round + 1 == kRounds ? 0.0 : kHuber);
-      measure();
+      measure_noise();
       if (round + 2 == kRounds) mark_outliers();
     }
     return std::move(out_);
@@ -50,7 +50,7 @@ class PairProblem {
   }
   bool is_hand_eye() const { return form_ == HandEyeForm::kHandEye; }
 
-  void start() {
+  void set_initial_poses() {
     if (fits_hand() || is_hand_eye()) {
       const HandAndWorld both = hand_and_world(A_, B_);
       out_.Y = both.Y;
@@ -74,16 +74,18 @@ class PairProblem {
     out_.Y.translation() = a.rowwise().mean() - out_.Y.linear() * b.rowwise().mean();
   }
 
+  // [m] of pair k, in the frame of the first system.
   Vector3d position_error(std::size_t k) const {
     return A_[k] * out_.X.translation() - out_.Y * B_[k].translation();
   }
 
+  // [rad] rotation vector of pair k.
   Vector3d rotation_error(std::size_t k) const {
     return rotation_vector((out_.Y.linear() * B_[k].linear()).transpose() * A_[k].linear() *
                            out_.X.linear());
   }
 
-  void measure() {
+  void measure_noise() {
     std::vector<double> lengths;
     std::vector<double> angles;
     out_.residuals.clear();

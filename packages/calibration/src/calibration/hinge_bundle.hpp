@@ -27,18 +27,18 @@ class HingeBundle {
   bool ready() const { return reason_.empty(); }
   const std::string& reason() const { return reason_; }
 
-  void fit();
+  void fit();  ///< solves for the hinges, and again without outliers
 
   const HingeTree& tree() const { return tree_; }
   /// Hinges of the tree, then those that close a loop.
   int hinges() const { return static_cast<int>(tree_.hinges.size() + tree_.closing.size()); }
   const Hinge& hinge(int hinge) const;
-  bool closes_loop(int hinge) const { return hinge >= static_cast<int>(tree_.hinges.size()); }
+  bool closes_loop(int hinge) const { return hinge >= static_cast<int>(tree_.hinges.size()); }  ///< true: not part of the tree
   /// [m] of a hinge that closes a loop: rms gap of the loop beyond the noise; zero if the noise explains all
   /// of it.
   double play(int hinge) const;
-  int frames() const { return static_cast<int>(frames_.size()); }
-  int outliers() const { return outliers_; }
+  int frames() const { return static_cast<int>(frames_.size()); }  ///< number of fitted frames
+  int outliers() const { return outliers_; }  ///< number of marker observations left out
   double noise() const { return noise_; }  ///< [m] standard deviation of one coordinate
   double correlation() const { return correlation_; }
   double degrees_of_freedom() const { return degrees_of_freedom_; }

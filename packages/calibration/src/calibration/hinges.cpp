@@ -120,16 +120,16 @@ class Sets {
   explicit Sets(int bodies) : parent_(static_cast<std::size_t>(bodies) + 1) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
-  bool join(int a, int b) {
-    const int x = find(slot(a));
-    const int y = find(slot(b));
+  bool unite(int a, int b) {
+    const int x = find(entry_of(a));
+    const int y = find(entry_of(b));
     parent_[x] = y;
     return x != y;
   }
-  bool same(int a, int b) { return find(slot(a)) == find(slot(b)); }
+  bool are_united(int a, int b) { return find(entry_of(a)) == find(entry_of(b)); }
 
  private:
-  int slot(int body) const { return body < 0 ? static_cast<int>(parent_.size()) - 1 : body; }
+  int entry_of(int body) const { return body < 0 ? static_cast<int>(parent_.size()) - 1 : body; }
   int find(int x) {
     while (parent_[x] != x) x = parent_[x];
     return x;
@@ -181,7 +181,7 @@ ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& 
   Sets sets(bodies);
   const auto take = [&](const Candidate& c) {
     if (!c.reason.empty()) return;
-    if (sets.join(c.a, c.b)) {
+    if (sets.unite(c.a, c.b)) {
       edges.push_back(c);
       return;
     }
@@ -206,14 +206,14 @@ ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& 
   std::vector<Candidate> refused;
   for (int gap = 1; gap < bodies; ++gap) {
     for (int a = 0; a + gap < bodies; ++a) {
-      if (sets.same(a, a + gap)) continue;
+      if (sets.are_united(a, a + gap)) continue;
       const Candidate c = finder.candidate(a, a + gap);
       take(c);
       if (!c.reason.empty() && gap == 1) refused.push_back(c);
     }
   }
   for (const Candidate& c : refused) {
-    if (!sets.same(c.a, c.b) &&
+    if (!sets.are_united(c.a, c.b) &&
         std::find(cannot_tell.begin(), cannot_tell.end(), c.reason) == cannot_tell.end())
       cannot_tell.push_back(c.reason);
   }
@@ -229,7 +229,7 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
   const ChosenHinges found = chosen_hinges(finder, count, options, cannot_tell);
   const std::vector<Candidate>& edges = found.edges;
   Sets sets(count);
-  for (const Candidate& e : edges) sets.join(e.a, e.b);
+  for (const Candidate& e : edges) sets.unite(e.a, e.b);
   std::vector<HingeTree> trees;
   std::vector<char> done(edges.size(), 0);
   for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -237,7 +237,7 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
     std::vector<Candidate> mine;
     std::optional<int> root;
     for (std::size_t other = k; other < edges.size(); ++other) {
-      if (!sets.same(edges[k].a, edges[other].a)) continue;
+      if (!sets.are_united(edges[k].a, edges[other].a)) continue;
       done[other] = 1;
       mine.push_back(edges[other]);
       for (const int body : {edges[other].a, edges[other].b}) {
@@ -251,7 +251,7 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
     }
     trees.push_back(tree_from(*root, mine, finder));
     for (const Candidate& c : found.closing) {
-      if (sets.same(c.a, edges[k].a)) trees.back().closing.push_back({c.a, c.b, c.axis});
+      if (sets.are_united(c.a, edges[k].a)) trees.back().closing.push_back({c.a, c.b, c.axis});
     }
   }
   return trees;

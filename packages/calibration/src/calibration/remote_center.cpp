@@ -33,14 +33,14 @@ class PivotFit {
     const std::size_t count = poses_.size();
     factors_.assign(count, 1.0);
     for (int k = 0; k < kIterations; ++k) {
-      solve();
+      solve_weighted();
       measure_noise();
-      weigh(k + 3 < kIterations ? 0.0 : outlier);
+      set_weights(k + 3 < kIterations ? 0.0 : outlier);
       out_.outliers = static_cast<int>(std::count(out_.is_outlier.begin(), out_.is_outlier.end(), 1));
       if (static_cast<int>(count) - out_.outliers < fewest) return false;
     }
-    solve();
-    finish();
+    solve_weighted();
+    set_results();
     return true;
   }
 
@@ -60,7 +60,7 @@ class PivotFit {
     return T.linear() * C.inverse() * T.linear().transpose();
   }
 
-  void solve() {
+  void solve_weighted() {
     normal_.setZero();
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
     for (std::size_t k = 0; k < poses_.size(); ++k) {
@@ -100,7 +100,7 @@ class PivotFit {
 
   // Sets the weights of the poses: Huber's weights, or, with a threshold `outlier` above zero [standard deviations],
   // 1 for inliers and 0 for outliers.
-  void weigh(double outlier) {
+  void set_weights(double outlier) {
     out_.is_outlier.assign(poses_.size(), 0);
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       const Vector3d r = residual(k);
@@ -112,7 +112,7 @@ class PivotFit {
     }
   }
 
-  void finish() {
+  void set_results() {
     std::vector<std::vector<double>> series(3);
     double chi2 = 0.0;
     Vector3d squares = Vector3d::Zero();

@@ -44,7 +44,7 @@ class BodyFit {
  private:
   using Point = Eigen::Vector3d;
 
-  MatrixXd::ColXpr place(Eigen::Index marker, Eigen::Index frame) {
+  MatrixXd::ColXpr position_of_marker(Eigen::Index marker, Eigen::Index frame) {
     MatrixXd& path =
         capture_.markers[body_.markers[marker]]
             .position;
@@ -60,14 +60,14 @@ class BodyFit {
       for (Eigen::Index b = 0; b < a; ++b) {
         std::vector<double> d;
         for (Eigen::Index k = 0; k < capture_.time.size(); ++k) {
-          const double one = (place(a, k) - place(b, k)).norm();
+          const double one = (position_of_marker(a, k) - position_of_marker(b, k)).norm();
           if (std::isfinite(one)) d.push_back(one);
         }
         if (d.size() < 3) {
           body_.fault = fmt::format(
               "markers '{}' and '{}' of body '{}' are seen together in {} frames, and three are "
               "needed",
-              name(b), name(a), body_.name, d.size());
+              marker_name(b), marker_name(a), body_.name, d.size());
           return false;
         }
         const double middle = median(d);
@@ -81,7 +81,7 @@ class BodyFit {
     return true;
   }
 
-  std::string name(Eigen::Index marker) const {
+  std::string marker_name(Eigen::Index marker) const {
     return capture_.markers[
                                 body_.markers[marker]]
         .name;
@@ -130,7 +130,7 @@ class BodyFit {
   MatrixXd positions(Eigen::Index frame) {
     const auto m = static_cast<Eigen::Index>(body_.markers.size());
     MatrixXd out(3, m);
-    for (Eigen::Index a = 0; a < m; ++a) out.col(a) = place(a, frame);
+    for (Eigen::Index a = 0; a < m; ++a) out.col(a) = position_of_marker(a, frame);
     return out;
   }
 
@@ -163,7 +163,7 @@ class BodyFit {
           ++body_.outliers;
           seen.col(a).setConstant(kNaN);
         }
-        place(a, frame) = seen.col(a);
+        position_of_marker(a, frame) = seen.col(a);
       }
     }
     if (which.size() < 3) return;

@@ -51,7 +51,7 @@ class Live {
     double end = options_.longest;
     for (out_.time = 0.0; out_.time < end && !quits_; out_.time += period_) {
       read_lines();
-      watch();
+      check_line_and_state();
       if (jogs_) jog();
       const bool sound = experiment_.step();
       if (line_at_ != Clock::time_point()) {
@@ -59,7 +59,7 @@ class Live {
         out_.longest_latency = std::max(out_.longest_latency, late);
         line_at_ = {};
       }
-      note();
+      update_extremes();
       if (!sound) {
         out_.status = experiment_.status();
         break;
@@ -92,7 +92,7 @@ class Live {
           continue;
         }
         if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
-        act(command);
+        execute(command);
       } catch (const InvalidInput& error) {
         ++out_.refused;
         if (callbacks_.refused) callbacks_.refused(error.what());
@@ -104,7 +104,7 @@ class Live {
     line_at_ = Clock::now();
     heard_ = waits_until_ = out_.time;
     began_ = true;
-    act(LiveStop{});
+    execute(LiveStop{});
     out_.refused += dropped;
     if (dropped > 0 && callbacks_.refused) callbacks_.refused(dropped_lines_message(dropped));
   }
@@ -122,7 +122,7 @@ class Live {
                           : plan_.check_command(std::move(state), *one);
   }
 
-  void act(const LiveCommand& command) {
+  void execute(const LiveCommand& command) {
     if (std::holds_alternative<LiveAlive>(command)) return;
     ++out_.commands;
     if (std::holds_alternative<LiveQuit>(command)) quits_ = true;
@@ -162,7 +162,7 @@ class Live {
     experiment_.execute(move);
   }
 
-  void watch() {
+  void check_line_and_state() {
     if (out_.lost || quits_) return;
     const bool silent = options_.watches_silence && began_ && out_.time - heard_ > options_.silence;
     const bool ended = lines_.closed() && out_.time >= waits_until_;
@@ -177,7 +177,7 @@ class Live {
     experiment_.stop();
   }
 
-  void note() {
+  void update_extremes() {
     for (std::size_t k = 0; k < scenario_.members.size(); ++k)
       out_.largest_force = std::max(
           out_.largest_force, std::abs(experiment_.world().member(static_cast<int>(k)).tension));

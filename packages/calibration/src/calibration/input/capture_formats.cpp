@@ -37,7 +37,7 @@ std::string marker_object(std::string name) {
   return name;
 }
 
-CaptureColumn component(const std::string& object, int index, const std::string& name) {
+CaptureColumn component_column(const std::string& object, int index, const std::string& name) {
   CaptureColumn column;
   column.kind = Kind::kComponent;
   column.object = object;
@@ -83,7 +83,7 @@ CaptureHeader motive_header(CsvLines& lines, const Fields& first) {
       }
       const int at = static_cast<int>(axis);
       // The markers of a body have more information than the pose that the program fitted to them.
-      header.columns.push_back(component(marker_object(names[k]),
+      header.columns.push_back(component_column(marker_object(names[k]),
                                          !quaternion               ? at
                                          : row[k] == "W"           ? 3
                                                                    : 4 + at,
@@ -111,7 +111,7 @@ CaptureHeader nexus_header(CsvLines& lines) {
       header.columns.emplace_back();
       continue;
     }
-    header.columns.push_back(component(object, static_cast<int>(axis), axes[k]));
+    header.columns.push_back(component_column(object, static_cast<int>(axis), axes[k]));
     if (k < units.size()) header.columns.back().unit = units[k];
   }
   return header;
@@ -132,7 +132,7 @@ CaptureHeader track_manager_header(CsvLines& lines) {
       if (row[k].empty()) continue;
       std::string object = capture_column(row[k] + "/x").object;
       for (int c = 0; c < 3; ++c)
-        header.columns.push_back(component(object, c, std::string(1, "XYZ"[c])));
+        header.columns.push_back(component_column(object, c, std::string(1, "XYZ"[c])));
     }
     return header;
   }

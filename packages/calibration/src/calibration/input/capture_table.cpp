@@ -34,13 +34,13 @@ class Reader {
     for (bool first = true; lines_.next(&line); first = false) {
       const std::vector<std::string> fields = csv_fields(line, header_.separator);
       if (first && header_.padded && reads_column_names(fields)) continue;
-      row(fields);
+      read_row(fields);
     }
     return table();
   }
 
  private:
-  std::string where(std::size_t column) const {
+  std::string place_in_file(std::size_t column) const {
     return text(path_, ":", lines_.number(), ":", column + 1);
   }
 
@@ -78,6 +78,7 @@ class Reader {
     joints_ = joints.size();
   }
 
+  // Number of a field; NaN if it is empty.
   double number(const std::string& field, std::size_t column) const {
     if (field.empty()) return kNaN;
     const char* first = field.data() + (field[0] == '+' ? 1 : 0);
@@ -86,7 +87,7 @@ class Reader {
     const auto [rest, error] = std::from_chars(first, last, value);
     const bool gap = field == "NaN" || field == "NA" || field == "null";
     if (gap) return kNaN;
-    require(error == std::errc() && rest == last && !std::isinf(value), where(column), ": found '",
+    require(error == std::errc() && rest == last && !std::isinf(value), place_in_file(column), ": found '",
             excerpt(field), "' in column '", header_.columns[column].name, "', expected a number or a gap.");
     return value;
   }
@@ -101,7 +102,7 @@ class Reader {
     return out;
   }
 
-  void row(const std::vector<std::string>& fields) {
+  void read_row(const std::vector<std::string>& fields) {
     const std::size_t count = header_.columns.size();
     std::size_t filled = fields.size();
     while (filled > count && fields[filled - 1].empty()) --filled;

@@ -19,7 +19,7 @@ double uncertainty_bound(const LinkParameter& p) {
   return p.unit == "m" ? links_numbers.loose_length : p.unit == "rad" ? links_numbers.loose_angle : links_numbers.loose_ratio;
 }
 
-MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
+MatrixXd submatrix(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
   MatrixXd out(rows.size(), static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     for (Eigen::Index j = 0; j < out.cols(); ++j)
@@ -30,7 +30,7 @@ MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vecto
 
 // The inverse of N over the active parameters, columns scaled to one first.
 MatrixXd inverse_of(const MatrixXd& N, const std::vector<int>& active) {
-  const MatrixXd A = block(N, active, active);
+  const MatrixXd A = submatrix(N, active, active);
   const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
   const MatrixXd identity = MatrixXd::Identity(A.rows(), A.cols());
@@ -149,7 +149,7 @@ std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& ac
   MatrixXd N = normal.N;
   VectorXd g = normal.g;
   if (!active.empty()) {
-    const MatrixXd C = block(normal.N, all, active);
+    const MatrixXd C = submatrix(normal.N, all, active);
     const MatrixXd inverse = inverse_of(normal.N, active);
     VectorXd g_active(active.size());
     for (std::size_t k = 0; k < active.size(); ++k)

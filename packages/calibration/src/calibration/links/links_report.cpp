@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-std::string title(const LinkConstant& c) {
+std::string constant_name(const LinkConstant& c) {
   return c.frame.empty() ? c.name : c.name + " of frame " + c.frame;
 }
 
@@ -32,7 +32,7 @@ std::string verdict(const LinksCalibration& r) {
                                                        "explain all:\n", r.named.size());
   for (const int k : r.named) {
     const LinkConstant& c = r.constants[k];
-    text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", title(c),
+    text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", constant_name(c),
                         value_text(c.file, c.unit), value_text(c.found, c.unit), value_text(c.low, c.unit),
                         value_text(c.high, c.unit), c.why.empty() ? "" : " It " + c.why + ".");
   }
@@ -57,7 +57,7 @@ std::string LinksCalibration::report() const {
     const std::string range = c.identifiable || c.changed
                                   ? value_text(c.low, c.unit) + " to " + value_text(c.high, c.unit)
                                   : c.why;
-    text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', title(c),
+    text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', constant_name(c),
                         value_text(c.file, c.unit), value_text(c.found, c.unit), range);
   }
   return text;

@@ -32,7 +32,7 @@ class Exchange {
     prior_ = kSmallest * MatrixXd::Identity(p, p);
     for (int k = 0; k < poses; ++k)
       chosen.push_back(static_cast<int>(random.uniform() * static_cast<double>(rows.size())));
-    random_start_ = value(chosen);
+    random_start_ = log_determinant(chosen);
   }
 
   // Replaces each pose in turn by the candidate that raises the determinant most.
@@ -46,7 +46,7 @@ class Exchange {
 
   // Factor by which the geometric mean of the deviations falls.
   double gain() const {
-    return std::exp(0.5 * (value(chosen) - random_start_) / static_cast<double>(scale_.size()));
+    return std::exp(0.5 * (log_determinant(chosen) - random_start_) / static_cast<double>(scale_.size()));
   }
 
   MatrixXd information(const std::vector<int>& which) const {
@@ -61,7 +61,7 @@ class Exchange {
   std::vector<int> chosen;
 
  private:
-  double value(const std::vector<int>& which) const {
+  double log_determinant(const std::vector<int>& which) const {
     const VectorXd d = information(which).ldlt().vectorD();
     return d.cwiseMax(1e-300).array().log().sum();
   }

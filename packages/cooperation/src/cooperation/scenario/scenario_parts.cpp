@@ -97,7 +97,7 @@ void add_member_list(Kind kind, const YamlNode& node, const Names& members,
   }
 }
 
-ScenarioCommand moving(Kind kind, double over) {
+ScenarioCommand motion_command(Kind kind, double over) {
   ScenarioCommand c;
   c.kind = kind;
   c.over = over;
@@ -122,20 +122,20 @@ ScenarioPhase read_phase(const YamlNode& node, const Names& arms, const Names& m
   if (const auto list = node.find("take"))
     add_member_list(Kind::kTake, *list, members, phase.commands);
   if (const auto way = node.find("move")) {
-    phase.commands.push_back(moving(Kind::kMove, over));
+    phase.commands.push_back(motion_command(Kind::kMove, over));
     phase.commands.back().way = vector3(*way, "m");
   }
   if (const auto turn = node.find("turn")) {
-    phase.commands.push_back(moving(Kind::kTurn, over));
+    phase.commands.push_back(motion_command(Kind::kTurn, over));
     phase.commands.back().way = vector3(*turn, "rad");
   }
   if (const auto by = node.find("tighten")) {
-    phase.commands.push_back(moving(Kind::kTighten, over));
+    phase.commands.push_back(motion_command(Kind::kTighten, over));
     phase.commands.back().amount = by->number();
   }
   if (const auto ways = node.find("move_arm")) {
     for (const YamlNode::Entry& e : ways->entries("a way for each arm")) {
-      phase.commands.push_back(moving(Kind::kMoveArm, over));
+      phase.commands.push_back(motion_command(Kind::kMoveArm, over));
       phase.commands.back().arm = arms.index(e.key_node);
       phase.commands.back().way = vector3(e.value, "m");
     }

@@ -21,16 +21,16 @@ struct Names {
   std::vector<std::string> all;
 
   void add(const std::string& name, const YamlNode& node);
-  int index(const YamlNode& node) const;
+  int index(const YamlNode& node) const;  ///< of the name in the node; fails at an unknown one
 };
 
 /// @throws InvalidInput  the robot has other joints, limits or frames than the arm is given.
 void check_arm(const ScenarioArm& arm, const Model& model);
 
 Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit);
-double positive_or(const YamlNode& node, const std::string& key, double otherwise);
-double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);
-long whole_number(const YamlNode& node);
+double positive_or(const YamlNode& node, const std::string& key, double otherwise);  ///< number of a key above zero, or `otherwise` without the key
+double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);  ///< the same for numbers from zero on
+long whole_number(const YamlNode& node);  ///< from 0 to 4e9
 
 /// Reads one of several words.
 template <typename T>

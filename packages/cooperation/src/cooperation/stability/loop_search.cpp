@@ -24,7 +24,8 @@ bool has_deadband(const Scenario& scenario) {
   });
 }
 
-double bisect(const std::function<double(double)>& radius, double stable, double unstable) {
+// Value between a stable and an unstable one at which the spectral radius passes 1.
+double stability_border(const std::function<double(double)>& radius, double stable, double unstable) {
   for (int k = 0; k < kHalvings && unstable - stable > 1e-6 * unstable; ++k) {
     const double middle = 0.5 * (stable + unstable);
     (radius(middle) > kUnstable ? unstable : stable) = middle;
@@ -99,7 +100,7 @@ double first_crossing(const std::function<double(double)>& radius, double begin,
   double last = begin;
   for (int k = 1; k <= steps; ++k) {
     const double next = begin * std::pow(ratio, k);
-    if (radius(next) > kUnstable) return bisect(radius, last, next);
+    if (radius(next) > kUnstable) return stability_border(radius, last, next);
     last = next;
   }
   return end;

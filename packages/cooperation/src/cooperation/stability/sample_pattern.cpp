@@ -17,7 +17,7 @@ struct Fraction {
   long above = 1, below = 1;
 };
 
-Fraction fraction(double ratio) {
+Fraction nearby_fraction(double ratio) {
   if (ratio >= 1.0) return {};
   if (ratio * kOwnPattern < 1.0) {
     const double cycles = std::round(1.0 / ratio);
@@ -46,7 +46,7 @@ SamplePattern sample_pattern(const std::vector<double>& samples_per_cycle) {
   long cycles = 1;
   Fraction slowest;
   for (const double ratio : samples_per_cycle) {
-    const Fraction one = fraction(ratio);
+    const Fraction one = nearby_fraction(ratio);
     if (cycles <= kLongestPattern) cycles = std::lcm(cycles, one.below);
     if (one.above * slowest.below < slowest.above * one.below) slowest = one;
     all.push_back(one);
