@@ -72,7 +72,7 @@ class BoardEmulator {
 
   int boards() const { return static_cast<int>(boards_.size()); }
   EmulatedBoard& board(int place) { return boards_[place]; }
-  int node_of(int place) const { return nodes_[place]; }
+  int node_of(int place) const { return nodes_[place]; }  ///< node of the board with this index
   /// Restarts a board, which also resets the bus.
   void reboot(int place);
 
@@ -110,9 +110,9 @@ class BoardEmulator {
 
   BoardLoad& load_or_none() { return load_ != nullptr ? *load_ : standing_; }
   bool resetting() const { return now_ < reset_until_; }
-  int place_of(int node) const noexcept;
-  int requesting_reader(const Request& request) const noexcept;
-  int hub() const { return 0; }
+  int place_of(int node) const noexcept;  ///< index of the board at a node; -1: none
+  int requesting_reader(const Request& request) const noexcept;  ///< index of the board that executes a request; -1: none
+  int hub() const { return 0; }  ///< index of the hub
   Answer execute(const Request& request, ByteSpan reply) noexcept;
   void write(const Request& request) noexcept;
   void write_to(EmulatedBoard& board, const Request& request) noexcept;

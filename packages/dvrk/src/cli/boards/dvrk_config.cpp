@@ -34,7 +34,7 @@ void print_actuator(const dvrk::ActuatorConfig& a, int index) {
   }
 }
 
-void print(const dvrk::IoConfig& config) {
+void print_config(const dvrk::IoConfig& config) {
   for (const dvrk::RobotConfig& robot : config.robots) {
     fmt::print("{} on {}{}{}\n", robot.name, robot.hardware,
                robot.serial.empty() ? "" : ", serial number " + robot.serial,
@@ -70,7 +70,7 @@ void run(const DvrkConfigRequest& request) {
   }
   if (!request.output.empty())
     write_file(request.output, json ? dvrk::to_io_json(config) : dvrk::to_io_xml(config));
-  print(config);
+  print_config(config);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::string flags_of(const dvrk::Status& s) {
   return out.empty() ? "off" : out;
 }
 
-std::string table(ArmSession& arm) {
+std::string joint_table(ArmSession& arm) {
   const dvrk::BoardArmState& state = arm.state();
   std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
                                 "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
@@ -86,7 +86,7 @@ void home_before_run(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLi
   session.start();
 }
 
-std::string missing_preload(ArmSession& session) {
+std::string missing_preload_text(ArmSession& session) {
   if (!session.needs_homing()) return "";
   return "the encoders were never loaded: positions count from where the boards woke up (--home "
          "loads them from the pots)";
@@ -141,8 +141,8 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
     if (t < next) return;
     next = t + kTableEvery;
     if (terminal) std::cout << "\033[H\033[J";
-    const std::string loaded = missing_preload(session);
-    std::cout << table(session) << loaded << (loaded.empty() ? "" : "\n")
+    const std::string loaded = missing_preload_text(session);
+    std::cout << joint_table(session) << loaded << (loaded.empty() ? "" : "\n")
               << session.boards().faults().report() << std::flush;
   };
   const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
@@ -169,7 +169,7 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   require(done.rows.rows() > 0, "boards: not a single valid read.");
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
-  const std::string loaded = missing_preload(session);
+  const std::string loaded = missing_preload_text(session);
   if (!loaded.empty()) print_message(loaded);
   finish_dvrk(request, "read", done, session);
   report_rows(request, done);

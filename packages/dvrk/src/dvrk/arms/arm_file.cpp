@@ -201,9 +201,9 @@ class File {
   void read_couplings(ArmFacts& facts) const {
     const auto n = static_cast<Eigen::Index>(facts.joints.size());
     facts.actuator_to_joint = MatrixXd::Identity(n, n);
-    if (const auto coupling = root_.find("coupling")) facts.actuator_to_joint = sized(*coupling, n);
+    if (const auto coupling = root_.find("coupling")) facts.actuator_to_joint = read_square_of_size(*coupling, n);
     if (const auto pots = root_.find("pots_to_actuators"))
-      facts.pots_to_actuators = sized(*pots, n);
+      facts.pots_to_actuators = read_square_of_size(*pots, n);
     const auto instruments = root_.find("instruments");
     if (!instruments) return;
     for (const YamlNode& node : instruments->items("a list of instruments")) {
@@ -211,12 +211,12 @@ class File {
       ArmInstrument instrument;
       instrument.name = node.at("name").word("the instrument's name");
       instrument.first = integer_in(node.at("first"), 0, static_cast<int>(n) - 1);
-      instrument.coupling = sized(node.at("coupling"), n - instrument.first);
+      instrument.coupling = read_square_of_size(node.at("coupling"), n - instrument.first);
       facts.instruments.push_back(instrument);
     }
   }
 
-  static MatrixXd sized(const YamlNode& node, Eigen::Index n) {
+  static MatrixXd read_square_of_size(const YamlNode& node, Eigen::Index n) {
     MatrixXd matrix = read_square(node);
     if (matrix.rows() != n) node.fail(text("a matrix of ", matrix.rows(), " rows"), text(n));
     return matrix;

@@ -67,12 +67,12 @@ class Sampler {
     const auto n = static_cast<Eigen::Index>(match_.rows.size());
     Samples samples{MatrixXd(count * n, kMoments * chain_.joints()), VectorXd(count * n)};
     RandomNumbers random(seed);
-    for (int s = 0; s < count; ++s) place(random, s * n, samples);
+    for (int s = 0; s < count; ++s) fill_sample(random, s * n, samples);
     return samples;
   }
 
  private:
-  void place(RandomNumbers& random, Eigen::Index first, Samples& samples) const {
+  void fill_sample(RandomNumbers& random, Eigen::Index first, Samples& samples) const {
     VectorXd q = VectorXd::Zero(model_.joints());
     VectorXd q_chain = VectorXd::Zero(chain_.joints());
     for (int i = 0; i < model_.joints(); ++i) {
@@ -136,7 +136,7 @@ VectorXd solve(const Samples& samples, const std::vector<int>& independent, Vect
   return chosen;
 }
 
-double moment(const VectorXd& x, Eigen::Index row) {
+double moment_size(const VectorXd& x, Eigen::Index row) {
   const double h = x.segment<3>(kMoments * row).norm();
   return h > kNothing ? h : 0.0;
 }
@@ -149,7 +149,7 @@ VectorXd with_masses(const Samples& samples, const std::vector<int>& independent
     for (Eigen::Index row = 0; row < x.size() / kMoments; ++row) {
       const int c = static_cast<int>(kMoments * row) + 3;
       if (std::find(independent.begin(), independent.end(), c) == independent.end())
-        x[c] = moment(x, row) / kCentreOffset;
+        x[c] = moment_size(x, row) / kCentreOffset;
     }
     x = solve(samples, independent, x);
   }
@@ -166,7 +166,7 @@ std::vector<GravityRow> rows_of(const ArmFacts& arm, const VectorXd& x) {
     row.dh = *joint.dh;
     const auto k = static_cast<Eigen::Index>(rows.size());
     row.mass = std::abs(x[kMoments * k + 3]) > kNothing ? x[kMoments * k + 3] : 0.0;
-    if (moment(x, k) > 0.0 && row.mass != 0.0) row.com = x.segment<3>(kMoments * k) / row.mass;
+    if (moment_size(x, k) > 0.0 && row.mass != 0.0) row.com = x.segment<3>(kMoments * k) / row.mass;
     rows.push_back(row);
   }
   return rows;

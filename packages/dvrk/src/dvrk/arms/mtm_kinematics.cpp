@@ -9,21 +9,21 @@ namespace {
 
 constexpr double kRight = M_PI / 2.0;
 
-Eigen::Matrix3d turn(double angle, const Eigen::Vector3d& axis) {
+Eigen::Matrix3d rotation_about(double angle, const Eigen::Vector3d& axis) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-Eigen::Matrix3d turn_x(double angle) {
-  return turn(angle, Eigen::Vector3d::UnitX());
+Eigen::Matrix3d rotation_about_x(double angle) {
+  return rotation_about(angle, Eigen::Vector3d::UnitX());
 }
 
-Eigen::Matrix3d turn_z(double angle) {
-  return turn(angle, Eigen::Vector3d::UnitZ());
+Eigen::Matrix3d rotation_about_z(double angle) {
+  return rotation_about(angle, Eigen::Vector3d::UnitZ());
 }
 
 // Rotation from the platform to the last axis, without that axis' own angle.
 Eigen::Matrix3d gimbal(double pitch, double yaw) {
-  return turn_x(kRight) * turn_z(pitch) * turn_x(-kRight) * turn_z(yaw + kRight) * turn_x(-kRight);
+  return rotation_about_x(kRight) * rotation_about_z(pitch) * rotation_about_x(-kRight) * rotation_about_z(yaw + kRight) * rotation_about_x(-kRight);
 }
 
 }  // namespace
@@ -46,8 +46,8 @@ MtmKinematics::MtmKinematics(const ArmFacts& arm)
 }
 
 Eigen::Matrix3d MtmKinematics::platform_orientation(const Joints& q) const noexcept {
-  return turn_z(q[0]) * turn_x(-kRight) * turn_z(q[1] + q[2] + M_PI) * turn_x(-kRight) *
-         turn_z(q[3]);
+  return rotation_about_z(q[0]) * rotation_about_x(-kRight) * rotation_about_z(q[1] + q[2] + M_PI) * rotation_about_x(-kRight) *
+         rotation_about_z(q[3]);
 }
 
 InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,

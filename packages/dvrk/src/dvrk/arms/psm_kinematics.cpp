@@ -20,7 +20,7 @@ void shaft_angles(const Eigen::Vector3d& u, double near_yaw, double& yaw, double
   }
 }
 
-Eigen::Matrix3d turn_z(double angle) {
+Eigen::Matrix3d rotation_about_z(double angle) {
   const double s = std::sin(angle), c = std::cos(angle);
   Eigen::Matrix3d R;
   R << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
@@ -62,7 +62,7 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
   const Eigen::Vector3d normal = z6.cross(p6);
   singular = normal.norm() < kSingularDistance;
   // The axis of wrist pitch, perpendicular to the plane of shaft, wrist and axis of wrist yaw.
-  const Eigen::Vector3d z5 = singular ? unit_component_across(R3_near * turn_z(near[3]).col(1), z6)
+  const Eigen::Vector3d z5 = singular ? unit_component_across(R3_near * rotation_about_z(near[3]).col(1), z6)
                                       : Eigen::Vector3d(wrist_side * normal.normalized());
   const Eigen::Vector3d x5 = z6.cross(z5);
   const Eigen::Vector3d p5 = p6 - wrist_ * x5;
@@ -78,7 +78,7 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
   const Eigen::Matrix3d R3 = shaft_orientation(q[0], q[1]);
   const Eigen::Vector3d z5_3 = R3.transpose() * z5;
   q[3] = std::atan2(-z5_3.x(), z5_3.y());
-  const Eigen::Vector3d x5_4 = turn_z(q[3]).transpose() * (R3.transpose() * x5);
+  const Eigen::Vector3d x5_4 = rotation_about_z(q[3]).transpose() * (R3.transpose() * x5);
   q[4] = std::atan2(x5_4.x(), x5_4.z());
   q[5] = std::atan2(x6.dot(x5), x6.dot(z5));
   return q;

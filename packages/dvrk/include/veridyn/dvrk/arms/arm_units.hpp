@@ -51,7 +51,7 @@ class ArmUnits {
   /// wrong size.
   explicit ArmUnits(const RobotConfig& robot, const MatrixXd& actuator_to_joint = MatrixXd());
 
-  int size() const { return static_cast<int>(actuators_.size()); }
+  int size() const { return static_cast<int>(actuators_.size()); }  ///< number of actuators
   const RobotConfig& robot() const { return robot_; }
   const MatrixXd& actuator_to_joint() const { return actuator_to_joint_; }
   const MatrixXd& joint_to_actuator() const { return joint_to_actuator_; }

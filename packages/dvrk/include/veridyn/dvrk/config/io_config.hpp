@@ -69,7 +69,7 @@ struct RobotConfig {
   MatrixXd pots_to_actuators;    ///< (n x n), where pots sit on joints; empty: on the actuators
   std::vector<PotTolerance> pot_tolerances;
 
-  int size() const { return static_cast<int>(actuators.size()); }
+  int size() const { return static_cast<int>(actuators.size()); }  ///< number of actuators
 };
 
 struct DigitalInputConfig {
