@@ -141,7 +141,7 @@ class Search {
     drop_superfluous();
   }
 
-  // Removes the terms `gone`, appends the term of `e`, and moves to the arm that follows.
+  // Removes the terms `gone` and appends the term of `e`; a linearised one also corrects the arm.
   void replace_terms(const std::set<size_t>& gone, const Exchange& e) {
     std::vector<Chosen> kept;
     for (size_t k = 0; k < current_.terms.size(); ++k) {
