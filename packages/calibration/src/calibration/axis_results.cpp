@@ -56,6 +56,7 @@ std::vector<int> frames_at_rest(const HingeBundle& bundle, int hinge) {
   return best;
 }
 
+// Mean of `values` at the indices `over`; 0 if there are none.
 double mean_over(const VectorXd& values, const std::vector<int>& over) {
   double sum = 0.0;
   for (const int k : over) sum += values[k];
@@ -67,13 +68,14 @@ Vector3d plane_intersection(const Line& line, const Vector3d& n, const Vector3d&
   return line.point + line.direction * ((p - line.point).dot(n) / line.direction.dot(n));
 }
 
-// Derivatives of functions of the shared unknowns, nonzero for hinges only.
+// Derivatives of f(shared unknowns) by differences, (size of f x shared unknowns); nonzero only for the
+// unknowns of `hinges`.
 MatrixXd derivatives(const HingeBundle& bundle, const std::vector<int>& hinges,
                      const std::function<VectorXd(const VectorXd&)>& f) {
   VectorXd step = VectorXd::Zero(bundle.shared_size());
   MatrixXd J = MatrixXd::Zero(f(step).size(), bundle.shared_size());
   for (const int j : hinges) {
-    for (int c = bundle.offset(j); c < bundle.offset(j) + 4; ++c) {
+    for (int c = bundle.first_unknown(j); c < bundle.first_unknown(j) + 4; ++c) {
       step[c] = kStep;
       const VectorXd up = f(step);
       step[c] = -kStep;
@@ -84,20 +86,21 @@ MatrixXd derivatives(const HingeBundle& bundle, const std::vector<int>& hinges,
   return J;
 }
 
-// The distance of two lines, signed along the common normal, so that it is smooth at zero.
+// Distance [m] of two lines, negative if the vector from a to b points against `side`; so it is smooth at zero.
 double normal_distance(const Line& a, const Line& b, const Vector3d& side) {
   const Vector3d n = a.direction.cross(b.direction).normalized();
   const double d = (b.point - a.point).dot(n);
   return n.dot(side) < 0.0 ? -d : d;
 }
 
-// The distance of two lines in the plane across their mean direction through a point.
-Vector3d plane_offset(const Line& a, const Line& b, const Vector3d& at) {
+// Vector [m] from line a to line b in the plane through `at` that is perpendicular to their mean direction.
+Vector3d offset_in_plane(const Line& a, const Line& b, const Vector3d& at) {
   const double same = a.direction.dot(b.direction) < 0.0 ? -1.0 : 1.0;
   const Vector3d n = (a.direction + same * b.direction).normalized();
   return plane_intersection(b, n, at) - plane_intersection(a, n, at);
 }
 
+// Angle [rad] of two lines, 0 to pi/2.
 double angle_between(const Line& a, const Line& b) {
   const double c = std::abs(a.direction.dot(b.direction));
   return std::atan2(a.direction.cross(b.direction).norm(), c);
@@ -128,7 +131,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
     for (auto j = above.rbegin(); j != above.rend(); ++j) {
       const Line axis = bundle.line(*j, step);
       line.direction = rotation_of(angles[*j] * axis.direction) * line.direction;
-      line.point = turned(axis, angles[*j], line.point);
+      line.point = rotated_about(axis, angles[*j], line.point);
     }
     return line;
   };
@@ -136,7 +139,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   const Line line = line_at(none, mean);
   Vector3d markers = bundle.shape(h.b).rowwise().mean();
   for (auto j = above.rbegin(); j != above.rend(); ++j)
-    markers = turned(bundle.line(*j), mean[*j], markers);
+    markers = rotated_about(bundle.line(*j), mean[*j], markers);
   out.direction = line.direction;
   out.point = line.point + line.direction * (markers - line.point).dot(line.direction);
   Eigen::Matrix<double, 3, 2> plane;
@@ -175,12 +178,12 @@ CalibratedLink link_result(const HingeBundle& bundle, int first, int second, int
   const Vector3d level =
       bundle.shape(body >= 0 ? body : bundle.hinge(second).b).rowwise().mean();
   const Vector3d normal = a.direction.cross(b.direction);
-  const Vector3d offset = plane_offset(a, b, level).normalized();
+  const Vector3d across = offset_in_plane(a, b, level).normalized();
   const auto values = [&](const VectorXd& step) -> VectorXd {
     const Line la = bundle.line(first, step);
     const Line lb = bundle.line(second, step);
     VectorXd v(3);
-    v << normal_distance(la, lb, normal), plane_offset(la, lb, level).dot(offset),
+    v << normal_distance(la, lb, normal), offset_in_plane(la, lb, level).dot(across),
         angle_between(la, lb);
     return v;
   };

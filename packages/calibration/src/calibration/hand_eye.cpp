@@ -28,7 +28,8 @@ constexpr HandEyeForm kForms[] = {HandEyeForm::kCommonPoses, HandEyeForm::kHandE
                                   HandEyeForm::kEyeInHand, HandEyeForm::kTwoBases,
                                   HandEyeForm::kCommonPoints};
 
-// The first form that fits as well as any; -1: undecidable.
+// Index in kForms of the first form whose noise is close to the smallest; the most general one if none is; -1
+// if that is not identifiable.
 int first_good_form(const std::vector<PairFit>& fits) {
   double noise = INFINITY;
   double angle = INFINITY;
@@ -66,6 +67,7 @@ int first_good_form(const std::vector<PairFit>& fits) {
   return fits[3].reason.empty() ? 3 : -1;
 }
 
+// Copies a fit to `out`, with 95 % radii in place of covariances.
 void copy_result(const PairFit& fit, HandEye& out) {
   out.status = CalibrationStatus::kDone;
   const bool is_hand = out.form == HandEyeForm::kEyeInHand;
@@ -164,7 +166,7 @@ HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
   }
   out.form = kForms[found];
   copy_result(fits[found], out);
-  out.reason = internal::contradiction(a, {out.outliers, out.rms, out.rms_angle});
+  out.reason = internal::contradiction_reason(a, {out.outliers, out.rms, out.rms_angle});
   if (out.reason.empty()) return out;
   out.status = CalibrationStatus::kCannotAnswer;
   out.reason += fmt::format("; rows of the two files may not belong together, or not in this form ({})", name_of(out.form));

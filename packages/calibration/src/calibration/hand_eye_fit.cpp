@@ -23,6 +23,7 @@ constexpr double kOutlier = 5.0;      // standard deviations beyond which a pair
 constexpr int kRounds = 4;            // fits, each with the noise estimated by the previous one
 constexpr double kNarrow = 0.01;  // width per length below which points count as collinear
 
+// Robust fit of A_k X = Y B_k in one of its forms.
 class PairProblem {
  public:
   PairProblem(const Isometries& A, const Isometries& B, HandEyeForm form)
@@ -33,29 +34,31 @@ class PairProblem {
   }
 
   PairFit fit() {
-    start();
-    measure();
+    set_initial_poses();
+    update_residuals();
     out_.is_outlier.assign(A_.size(), 0);
     for (int round = 0; round < kRounds; ++round) {
       solve(round + 1 == kRounds ? 0.0 : kHuber);
-      measure();
+      update_residuals();
       if (round + 2 == kRounds) mark_outliers();
     }
     return std::move(out_);
   }
 
  private:
-  bool fits_hand() const {
+  // True if X is unknown and independent of Y.
+  bool has_second_pose() const {
     return form_ == HandEyeForm::kTwoBases || form_ == HandEyeForm::kEyeInHand;
   }
   bool is_hand_eye() const { return form_ == HandEyeForm::kHandEye; }
 
-  void start() {
-    if (fits_hand() || is_hand_eye()) {
+  // Sets X and Y from closed forms.
+  void set_initial_poses() {
+    if (has_second_pose() || is_hand_eye()) {
       const HandAndWorld both = hand_and_world(A_, B_);
       out_.Y = both.Y;
       out_.X = both.X;
-      if (is_hand_eye()) out_.X = out_.Y = hand_eye(A_, B_);
+      if (is_hand_eye()) out_.X = out_.Y = solve_hand_eye(A_, B_);
       return;
     }
     const auto n = static_cast<Eigen::Index>(A_.size());
@@ -83,7 +86,8 @@ class PairProblem {
                            out_.X.linear());
   }
 
-  void measure() {
+  // Recomputes the residuals and the noise [m], [rad] from them.
+  void update_residuals() {
     std::vector<double> lengths;
     std::vector<double> angles;
     out_.residuals.clear();
@@ -106,22 +110,23 @@ class PairProblem {
     }
   }
 
+  // Updates X and Y by least squares with Huber's loss; with huber = 0, squares, and their covariances too.
   void solve(double huber) {
     LeastSquares problem;
     const int Y = problem.add_unknown(VectorXd::Zero(6));
-    const int X = fits_hand() ? problem.add_unknown(VectorXd::Zero(6)) : -1;
+    const int X = has_second_pose() ? problem.add_unknown(VectorXd::Zero(6)) : -1;
     const Isometry3d X0 = out_.X;
     const Isometry3d Y0 = out_.Y;
     for (std::size_t k = 0; k < A_.size(); ++k) {
       if (out_.is_outlier[k] != 0) continue;
       std::vector<int> unknowns = {Y};
-      if (fits_hand()) unknowns.push_back(X);
+      if (has_second_pose()) unknowns.push_back(X);
       problem.add({unknowns, 3, position_residual(k, X0, Y0), huber, true});
       if (oriented_) problem.add({unknowns, 3, rotation_residual(k, X0, Y0), huber, true});
     }
     problem.minimise();
     out_.Y = moved_pose(Y0, problem.value(Y).data());
-    if (fits_hand()) out_.X = moved_pose(X0, problem.value(X).data());
+    if (has_second_pose()) out_.X = moved_pose(X0, problem.value(X).data());
     if (is_hand_eye()) out_.X = out_.Y;
     if (huber > 0.0) return;
     const Information information(problem);
@@ -132,7 +137,7 @@ class PairProblem {
     MatrixXd pick = MatrixXd::Zero(6, problem.shared_size());
     pick.leftCols<6>().setIdentity();
     out_.covariance_Y = scale * information.covariance(pick);
-    if (!fits_hand()) return;
+    if (!has_second_pose()) return;
     pick.setZero();
     pick.rightCols<6>().setIdentity();
     out_.covariance_X = scale * information.covariance(pick);
@@ -149,7 +154,7 @@ class PairProblem {
   // A t_X + t_A - R_Y t_B - t_Y, per standard deviation.
   Residual position_residual(std::size_t k, const Isometry3d& X0, const Isometry3d& Y0) const {
     const double weight = 1.0 / out_.noise;
-    const bool free_X = fits_hand();
+    const bool free_X = has_second_pose();
     const bool one = is_hand_eye();
     return [=, &A = A_[k], &B = B_[k]](const double* const* x, double* r, double* const* J) {
       const Isometry3d Y = moved_pose(Y0, x[0]);
@@ -174,7 +179,7 @@ class PairProblem {
   // log((R_Y R_B)' R_A R_X), per standard deviation.
   Residual rotation_residual(std::size_t k, const Isometry3d& X0, const Isometry3d& Y0) const {
     const double weight = 1.0 / out_.noise_angle;
-    const bool free_X = fits_hand();
+    const bool free_X = has_second_pose();
     const bool one = is_hand_eye();
     return [=, &A = A_[k], &B = B_[k]](const double* const* x, double* r, double* const* J) {
       const Isometry3d Y = moved_pose(Y0, x[0]);

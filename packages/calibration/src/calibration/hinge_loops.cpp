@@ -109,6 +109,7 @@ bool HingeBundle::estimate_play(Spread spread) {
   return changed;
 }
 
+// Sets each closure's deviation to 0.1 of the noise, plus its play.
 void HingeBundle::close_loops() {
   for (std::size_t c = 0; c < deviation_.size(); ++c)
     deviation_[c] = std::hypot(kRigid * noise_, play_[c]);

@@ -16,6 +16,7 @@ using Plane = Eigen::Matrix<double, 3, 2>;
 
 constexpr int kMostHinges = 32;
 
+// Derivative of moved_line().direction, which is n, by x[0] and x[1].
 Plane direction_derivative(const Line& start, const Plane& plane, const double* x,
                            const Vector3d& n) {
   const double length = (start.direction + plane * Eigen::Vector2d(x[0], x[1])).norm();
@@ -29,7 +30,7 @@ Line moved_line(const Line& start, const Plane& plane, const double* x) {
           start.point + plane * Eigen::Vector2d(x[2], x[3])};
 }
 
-Vector3d turned(const Line& line, double angle, const Vector3d& point) {
+Vector3d rotated_about(const Line& line, double angle, const Vector3d& point) {
   return rotation_of(angle * line.direction) * (point - line.point) + line.point;
 }
 

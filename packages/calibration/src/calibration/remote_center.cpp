@@ -192,7 +192,7 @@ RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCente
   if (!out.reason.empty()) return out;
   PivotFit fit(out.poses, out);
   if (fit.fit(options.outlier, options.fewest_frames)) {
-    out.reason = internal::contradiction(out.poses, {out.outliers, out.rms.norm(), 0.0});
+    out.reason = internal::contradiction_reason(out.poses, {out.outliers, out.rms.norm(), 0.0});
     if (!out.reason.empty())
       out.reason = "no point stays where it is: " + out.reason + "; the body may slide while it turns";
     else

@@ -79,6 +79,7 @@ struct LinksCalibration {
   std::string report() const;
 };
 
+/// Status kCannotAnswer, with the reason, if the poses do not suffice or contradict the frame.
 /// @throws InvalidInput  the recording has other joints than the arm, or the arm no such frame.
 LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
                                  const LinksOptions& options = {});

@@ -360,7 +360,7 @@ std::string wrong_frame_reason(const Model& arm, const Attachment& a, const std:
   const auto outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   const double angle = a.data.poses->has_orientation ? rms_of(errors.angle, a.data, false) : 0.0;
   const std::string why =
-      contradiction(a.data.poses->poses, {outliers, rms_of(errors.position, a.data, false), angle});
+      contradiction_reason(a.data.poses->poses, {outliers, rms_of(errors.position, a.data, false), angle});
   if (why.empty()) return "";
   return why + "; they may be poses of another frame than " + frame + ", joints of other rows, or not in rad and m" +
          beyond_limits(arm, *a.data.poses);
