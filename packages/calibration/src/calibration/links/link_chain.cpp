@@ -13,15 +13,15 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Isometry3d turn_z(double angle) {
+Isometry3d rotation_about_z(double angle) {
   return Isometry3d(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
 }
 
-Isometry3d turn_x(double angle) {
+Isometry3d rotation_about_x(double angle) {
   return Isometry3d(Eigen::AngleAxisd(angle, Vector3d::UnitX()));
 }
 
-Isometry3d shift(double x, double y, double z) {
+Isometry3d translation_by(double x, double y, double z) {
   return Isometry3d(Eigen::Translation3d(x, y, z));
 }
 
@@ -34,8 +34,8 @@ struct Motion {
 
 using Column = Eigen::Matrix<double, 6, 1>;
 
-// Effect of a motion on the body whose origin is at p.
-Column effect(const Motion& m, const Vector3d& p) {
+// Rotation and translation, in that order, of a body with its origin at p per unit of a motion.
+Column pose_derivative(const Motion& m, const Vector3d& p) {
   Column out;
   if (m.turns) {
     out << m.axis, m.axis.cross(p - m.point);
@@ -123,7 +123,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     Motion joint;
     joint.turns = turns;
     if (frame.dh) {
-      const Isometry3d link = turn_x(v(1)) * shift(v(0), 0, 0);
+      const Isometry3d link = rotation_about_x(v(1)) * translation_by(v(0), 0, 0);
       const bool modified = frame.dh->convention == DhConvention::kModified;
       if (modified) {
         note(entry, false, T.linear().col(0), T.translation());
@@ -135,7 +135,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
       note(entry + 3, true, z, T.translation());
       joint.axis = z;
       joint.point = T.translation();
-      T = T * turn_z(v(3) + (turns ? s : 0.0)) * shift(0, 0, v(2) + (slides ? s : 0.0));
+      T = T * rotation_about_z(v(3) + (turns ? s : 0.0)) * translation_by(0, 0, v(2) + (slides ? s : 0.0));
       if (!modified) {
         note(entry, false, T.linear().col(0), T.translation());
         note(entry + 1, true, T.linear().col(0), T.translation());
@@ -144,7 +144,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     } else {
       const Isometry3d parent = T;
       const Vector3d at = parent * Vector3d(v(0), v(1), v(2));
-      const Matrix3d yaw = parent.linear() * turn_z(v(5)).linear();
+      const Matrix3d yaw = parent.linear() * rotation_about_z(v(5)).linear();
       const Matrix3d pitch =
           yaw * Eigen::AngleAxisd(v(4), Vector3d::UnitY()).toRotationMatrix();
       for (int c = 0; c < 3; ++c)
@@ -152,13 +152,13 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
       note(entry + 3, true, pitch.col(0), at);
       note(entry + 4, true, yaw.col(1), at);
       note(entry + 5, true, parent.linear().col(2), at);
-      T.linear() = pitch * turn_x(v(3)).linear();
+      T.linear() = pitch * rotation_about_x(v(3)).linear();
       T.translation() = at;
       T = T * rest_[f];
       joint.axis = T.linear().col(2);
       joint.point = T.translation();
-      if (turns) T = T * turn_z(s);
-      if (slides) T = T * shift(0, 0, s);
+      if (turns) T = T * rotation_about_z(s);
+      if (slides) T = T * translation_by(0, 0, s);
       T = T * eigen(frame.B);
     }
     for (std::size_t r = 0; r < ratios; ++r)
@@ -171,7 +171,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   const Vector3d p = body.translation();
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const std::optional<JointIndex> joint = parameters_.entries()[k].constant.joint;
-    const Column column = effect(motions[k], p);
+    const Column column = pose_derivative(motions[k], p);
     double by_entry = 1.0;
     if (joint) {
       const int zero = zero_parameter_[joint->value];
@@ -196,9 +196,9 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
         const LinkParameter& other = parameters_.all()[c];
         if (other.kind == Kind::kBase && other.index < 3) w[other.index] = x_[c];
       }
-      J->col(k) = effect({true, right_jacobian(-w) * unit, base_.translation()}, p);
+      J->col(k) = pose_derivative({true, right_jacobian(-w) * unit, base_.translation()}, p);
     } else if (is_base) {
-      J->col(k) = effect({false, unit, p}, p);
+      J->col(k) = pose_derivative({false, unit, p}, p);
     } else if (one.index < 3) {
       Vector3d w = Vector3d::Zero();
       for (int c = 0; c < parameters_.size(); ++c) {

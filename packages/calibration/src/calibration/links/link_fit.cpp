@@ -19,7 +19,7 @@ constexpr int kRounds = 3;
 
 using Rows = Eigen::Matrix<double, 6, 1>;
 
-// Rotation and translation from the measured pose to the model's.
+// Rotation vector [rad], zero if not oriented, and translation [m] from the measured pose to the model's.
 Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented) {
   Rows e = Rows::Zero();
   if (oriented)
@@ -28,14 +28,15 @@ Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented
   return e;
 }
 
-// Converts the derivative of the pose to that of error_of().
-void turn_into_error(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
+// Converts J from the derivative of the pose to that of error_of(), which is e.
+void convert_to_error_derivative(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
   const Matrix3d L =
       left_jacobian_inverse(e.head<3>()) * measured.linear().transpose();
   J.topRows<3>() = (L * J.topRows<3>()).eval();
 }
 
-VectorXd full_vector(const VectorRef& x, const std::vector<int>& active, const double* values) {
+// A copy of x in which entry active[k] is values[k].
+VectorXd with_active_values(const VectorRef& x, const std::vector<int>& active, const double* values) {
   VectorXd out = x;
   for (std::size_t k = 0; k < active.size(); ++k) out[active[k]] = values[k];
   return out;
@@ -57,7 +58,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
   for (const int row : data.rows) {
     if (data.is_outlier[row] != 0) continue;
     const Residual residual = [&, row](const double* const* v, double* r, double* const* J) {
-      const VectorXd now = full_vector(start, active, v[0]);
+      const VectorXd now = with_active_values(start, active, v[0]);
       if (now != chain.x()) chain.set(now);
       const Isometry3d& measured = data.poses->poses[row];
       const bool wanted = J != nullptr && J[0] != nullptr;
@@ -67,7 +68,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
       Rows weight;
       weight << Vector3d::Constant(1.0 / data.noise.angle),
           Vector3d::Constant(1.0 / data.noise.position);
-      if (wanted && oriented) turn_into_error(e, measured, by);
+      if (wanted && oriented) convert_to_error_derivative(e, measured, by);
       for (int c = 0; c < size; ++c) {
         const int of = oriented ? c : c + 3;
         r[c] = weight[of] * e[of];
@@ -79,7 +80,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
     problem.add({{block}, size, residual, huber, true});
   }
   problem.minimise(1, 40);
-  return full_vector(start, active, problem.value(block).data());
+  return with_active_values(start, active, problem.value(block).data());
 }
 
 VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vector<int>& active,
@@ -127,7 +128,7 @@ LinkNormal link_normal(LinkChain& chain, const LinkData& data, const VectorRef& 
     const Isometry3d& measured = data.poses->poses[row];
     const VectorXd q = data.poses->q.row(row);
     Rows e = error_of(chain.pose(q, &J), measured, oriented);
-    if (oriented) turn_into_error(e, measured, J);
+    if (oriented) convert_to_error_derivative(e, measured, J);
     J.topRows<3>() /= data.noise.angle;
     J.bottomRows<3>() /= data.noise.position;
     e.head<3>() /= data.noise.angle;
@@ -152,7 +153,7 @@ double rms_of(const std::vector<double>& errors, const LinkData& data, bool with
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
-void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+void estimate_attached_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Isometry3d& base, Isometry3d& tool) {
   base = Isometry3d::Identity();
   tool = Isometry3d::Identity();

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kDependent = 1e-9;  // squared remainder of a column, relative to its square
 
-// Bound of a parameter's uncertainty (two standard deviations) for which fitting it is useful.
+// Bound of a parameter's uncertainty (two standard standard_deviations) for which fitting it is useful.
 double uncertainty_bound(const LinkParameter& p) {
   return p.unit == "m" ? links_numbers.loose_length : p.unit == "rad" ? links_numbers.loose_angle : links_numbers.loose_ratio;
 }
 
-MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
+MatrixXd submatrix(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
   MatrixXd out(rows.size(), static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     for (Eigen::Index j = 0; j < out.cols(); ++j)
@@ -30,7 +30,7 @@ MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vecto
 
 // The inverse of N over the active parameters, columns scaled to one first.
 MatrixXd inverse_of(const MatrixXd& N, const std::vector<int>& active) {
-  const MatrixXd A = block(N, active, active);
+  const MatrixXd A = submatrix(N, active, active);
   const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
   const MatrixXd identity = MatrixXd::Identity(A.rows(), A.cols());
@@ -59,7 +59,7 @@ struct Loosest {
 
 Loosest most_uncertain(const LinkParameters& parameters, const LinkNormal& normal,
                 const std::vector<int>& active) {
-  const VectorXd s = deviations(normal, active);
+  const VectorXd s = standard_deviations(normal, active);
   Loosest out;
   for (std::size_t k = 0; k < active.size(); ++k) {
     const LinkParameter& p = parameters.all()[active[k]];
@@ -88,7 +88,7 @@ void drop_uncertain(const LinkParameters& parameters, const LinkNormal& normal, 
     if (out.why[k].empty() || normal.N(k, k) <= 0.0 ||
         std::find(removed.begin(), removed.end(), k) != removed.end())
       continue;
-    const double deviation = gains(normal, out.independent)[k].deviation;
+    const double deviation = gains_of_adding(normal, out.independent)[k].deviation;
     if (deviation <= 0.0 || 2.0 * deviation > uncertainty_bound(parameters.all()[k])) continue;
     std::vector<int> with = out.independent;
     with.insert(std::upper_bound(with.begin(), with.end(), k), k);
@@ -137,19 +137,19 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
   return out;
 }
 
-VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active) {
+VectorXd standard_deviations(const LinkNormal& normal, const std::vector<int>& active) {
   if (active.empty()) return VectorXd();
   return inverse_of(normal.N, active).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& active) {
+std::vector<LinkGain> gains_of_adding(const LinkNormal& normal, const std::vector<int>& active) {
   const auto p = static_cast<int>(normal.g.size());
   std::vector<int> all;
   for (int k = 0; k < p; ++k) all.push_back(k);
   MatrixXd N = normal.N;
   VectorXd g = normal.g;
   if (!active.empty()) {
-    const MatrixXd C = block(normal.N, all, active);
+    const MatrixXd C = submatrix(normal.N, all, active);
     const MatrixXd inverse = inverse_of(normal.N, active);
     VectorXd g_active(active.size());
     for (std::size_t k = 0; k < active.size(); ++k)

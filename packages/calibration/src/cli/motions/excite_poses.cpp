@@ -21,7 +21,8 @@ struct PosesRequest {
   int poses = 30;
 };
 
-std::string csv(const PoseDesign& design) {
+// Rows t [s], q1..qn of the poses.
+std::string poses_as_csv(const PoseDesign& design) {
   std::string out = "t";
   for (Eigen::Index i = 0; i < design.q.cols(); ++i) out += fmt::format(",q{}", i + 1);
   out += "\n";
@@ -72,7 +73,7 @@ ExitStatus run(const ExciteExtension::Request& call, const PosesRequest& request
     print_message(design.reason + ".");
     return kDataCannotAnswer;
   }
-  write_file(call.output, csv(design));
+  write_file(call.output, poses_as_csv(design));
   if (!common.json.empty()) write_file(common.json, to_json(design));
   std::cout << design.report();
   return kDone;
