@@ -14,7 +14,7 @@
 namespace veridyn {
 namespace {
 
-Eigen::Index rows_of(const Scenario& scenario, double seconds) {
+Eigen::Index row_count(const Scenario& scenario, double seconds) {
   return static_cast<Eigen::Index>(std::lround(seconds * scenario.control.rate));
 }
 
@@ -69,15 +69,15 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
   const auto begun = std::chrono::steady_clock::now();
   Experiment experiment(scenario, engine);
   Eigen::Index rows = 0;
-  for (const ScenarioPhase& phase : scenario.phases) rows += rows_of(scenario, phase.duration);
+  for (const ScenarioPhase& phase : scenario.phases) rows += row_count(scenario, phase.duration);
   ScenarioRun run = empty_run(scenario, engine, rows);
   run.left_out = experiment.left_out();
   run.asked_largest_force = scenario.asked_largest_force;
   Eigen::Index k = 0;
   for (const ScenarioPhase& phase : scenario.phases) {
-    experiment.begin(phase);
+    experiment.begin_phase(phase);
     const Eigen::Index first = k;
-    const Eigen::Index end = k + rows_of(scenario, phase.duration);
+    const Eigen::Index end = k + row_count(scenario, phase.duration);
     for (; k < end; ++k) {
       if (!experiment.step()) {
         run.status = experiment.status();

@@ -17,7 +17,8 @@ std::vector<double> values_or(const std::vector<double>& values, double own) {
   return values.empty() ? std::vector<double>{own} : values;
 }
 
-Scenario at_point(Scenario scenario, const SweepPoint& point) {
+// The scenario with the stiffness, delay and rate of a point, and tuned laws recomputed.
+Scenario scenario_at(Scenario scenario, const SweepPoint& point) {
   for (ScenarioMember& member : scenario.members) {
     member.stiffness = member.law.stiffness = point.stiffness;
     member.sensor.delay = point.delay;
@@ -27,6 +28,7 @@ Scenario at_point(Scenario scenario, const SweepPoint& point) {
   return scenario;
 }
 
+// Sets the results of a point from its run.
 void evaluate_run(const ScenarioRun& run, double stable_error, SweepPoint& point) {
   bool tracked = false, told = true;
   for (const PhaseFigures& p : run.phases) {
@@ -122,7 +124,7 @@ ScenarioSweepResult sweep_scenario(const Scenario& scenario, const SweepOptions&
     if (const auto kept = options.kept ? options.kept(k) : std::nullopt) {
       point = *kept;
     } else {
-      evaluate_run(run_scenario(at_point(scenario, point), options.engine), out.stable_error, point);
+      evaluate_run(run_scenario(scenario_at(scenario, point), options.engine), out.stable_error, point);
       if (options.keep) options.keep(k, point);
     }
     const int now = ++done;

@@ -27,7 +27,7 @@ class ArmTopics {
   ArmTopics(ros::NodeHandle space, const veridyn::Model& arm, Commands& to_loop,
             Snapshot<Feedback>& from_loop);
 
-  /// Publishes what is new; call it at the publishing rate.
+  /// Publishes the feedback since the last call, if any; call it at the publishing rate.
   void publish();
 
  private:

@@ -13,6 +13,7 @@
 namespace veridyn {
 namespace {
 
+// Speed of the terminal interface; throws InvalidInput if it has none for this rate [1/s].
 speed_t speed_of(int baud, const std::string& device) {
   static constexpr struct {
     int baud;

@@ -20,6 +20,7 @@ bool is_scenario(const std::string& path) {
   return false;
 }
 
+// "tool" if the model has it, else its last frame.
 std::string touching_frame(const Model& model) {
   return model.find_frame("tool") >= 0 ? "tool" : model.frames().back().name;
 }

@@ -29,6 +29,7 @@ bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, doub
 /// Largest amplification over frequency from a missing torque, M^-1/2 w, to M^1/2 ddq.
 double torque_error_gain(const LinearPoint& point, const Scenario& scenario, int frequencies);
 
+/// Margins of gain, phase and delay; all 0 if the loop is unstable, infinite without elements.
 StabilityMargins loop_margins(const LinearPoint& point, const Scenario& scenario);
 
 /// Simulates an incremental law of member `index` in the linear loop, from zero force to that of
