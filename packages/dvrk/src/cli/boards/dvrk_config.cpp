@@ -19,7 +19,7 @@ struct DvrkConfigRequest {
   std::string output;
 };
 
-// Prints values in degrees and millimetres, for comparison with an arm's documents.
+// Prints values in degrees and millimetres, as arms' documents have them; index from 0.
 void print_actuator(const dvrk::ActuatorConfig& a, int index) {
   const double factor = a.prismatic ? 1e3 : 180.0 / M_PI;
   const char* unit = a.prismatic ? "mm" : "deg";
@@ -34,7 +34,7 @@ void print_actuator(const dvrk::ActuatorConfig& a, int index) {
   }
 }
 
-void print(const dvrk::IoConfig& config) {
+void print_config(const dvrk::IoConfig& config) {
   for (const dvrk::RobotConfig& robot : config.robots) {
     fmt::print("{} on {}{}{}\n", robot.name, robot.hardware,
                robot.serial.empty() ? "" : ", serial number " + robot.serial,
@@ -70,7 +70,7 @@ void run(const DvrkConfigRequest& request) {
   }
   if (!request.output.empty())
     write_file(request.output, json ? dvrk::to_io_json(config) : dvrk::to_io_xml(config));
-  print(config);
+  print_config(config);
 }
 
 }  // namespace

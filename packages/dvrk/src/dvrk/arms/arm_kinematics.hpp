@@ -38,6 +38,7 @@ struct JointRanges {
   explicit JointRanges(const ArmFacts& arm);
   /// Changes angles by whole turns: into the range and, among several possibilities, nearest to `near`.
   void wrap(Eigen::Matrix<double, n, 1>& q, const Eigen::Matrix<double, n, 1>& near) const noexcept;
+  /// True if every joint is within its range, up to 1e-9 for rounding.
   bool contain(const Eigen::Matrix<double, n, 1>& q) const noexcept;
 };
 

@@ -9,6 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
+// The coupling K, identity if empty; throws InvalidInput if it does not fit the robot or is singular.
 MatrixXd checked_coupling(const MatrixXd& K, const RobotConfig& robot) {
   const int n = robot.size();
   require(n > 0, "arm '", robot.name, "': found no actuators, expected at least one.");
@@ -26,6 +27,7 @@ MatrixXd checked_coupling(const MatrixXd& K, const RobotConfig& robot) {
   return K;
 }
 
+// [counts/s] by the firmware's estimate, or by the difference of counts; 0 without a previous reading.
 double encoder_velocity(const ActuatorConfig& actuator, const RawActuator& raw,
                         std::int32_t previous, bool has_previous) {
   if (actuator.velocity_source == VelocitySource::kFirmware)

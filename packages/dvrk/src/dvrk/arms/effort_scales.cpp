@@ -7,7 +7,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-void correct(const Coordinate& coordinate, EffortScale& scale) {
+// Replaces the scale by that of an identified drive gain, and multiplies it by the recorded torque gain.
+void correct_scale(const Coordinate& coordinate, EffortScale& scale) {
   if (coordinate.drive_gain > 0.0) {
     scale.scale = 1.0 / coordinate.drive_gain;
     scale.std_scale = coordinate.drive_gain_deviation * scale.scale * scale.scale;
@@ -35,7 +36,7 @@ std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& ar
     scale.before = robot.actuators[k].effort_to_amps;
     scale.scale = scale.before;
     const int i = model.find_coordinate(scale.actuator);
-    if (i >= 0) correct(model.coordinates()[i], scale);
+    if (i >= 0) correct_scale(model.coordinates()[i], scale);
     scales.push_back(scale);
   }
   return scales;

@@ -17,7 +17,7 @@ struct ExpectedRow {
   bool prismatic = false;
 };
 
-/// Throws unless the arm's rows are modified DH rows of this form.
+/// Throws InvalidInput unless the arm's rows are modified DH rows of this form.
 inline void require_form(const ArmFacts& arm, const std::vector<ExpectedRow>& rows) {
   require(arm.kinematic_joints() == static_cast<int>(rows.size()), arm.name, ": found ",
           arm.kinematic_joints(), " joints with DH rows, expected ", rows.size(),
@@ -62,11 +62,11 @@ inline Eigen::Matrix3d shaft_orientation(double yaw, double pitch) {
 /// The best of several solutions: within the limits first, then nearest to `near`. Joints that are not finite
 /// are no solution.
 template <int n>
-class Choice {
+class SolutionChoice {
  public:
   using Joints = Eigen::Matrix<double, n, 1>;
 
-  Choice(const JointRanges<n>& ranges, const Joints& near) : ranges_(ranges), near_(near) {
+  SolutionChoice(const JointRanges<n>& ranges, const Joints& near) : ranges_(ranges), near_(near) {
     best_.q = near;
   }
 

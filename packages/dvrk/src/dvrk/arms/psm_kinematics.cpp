@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kRight = M_PI / 2.0;
 
-// Yaw and pitch of a shaft direction. On the axis of yaw any yaw is a solution.
+// Sets yaw and pitch [rad] of the shaft direction u. Along the axis of yaw any yaw is a solution: near_yaw, and
+// `singular` is set.
 void shaft_angles(const Eigen::Vector3d& u, double near_yaw, double& yaw, double& pitch, bool& singular) {
   const double across = std::hypot(u.x(), u.z());
   pitch = std::atan2(-u.y(), across);
@@ -86,7 +87,7 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
 
 InverseSolution<6> PsmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
                                           const Joints& near) const noexcept {
-  Choice<6> choice(ranges_, near);
+  SolutionChoice<6> choice(ranges_, near);
   if (!T_base_tip.allFinite() || !near.allFinite()) return choice.best();
   const Eigen::Matrix4d T = T_base_tip * T_tip_last_;
   for (const double wrist_side : {1.0, -1.0}) {
@@ -113,7 +114,7 @@ EcmKinematics::EcmKinematics(const ArmFacts& arm) : ranges_(arm) {
 InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
                                           const Joints& near) const noexcept {
   constexpr double kMissing = 1e-6;  // [m]
-  Choice<4> choice(ranges_, near);
+  SolutionChoice<4> choice(ranges_, near);
   const Eigen::Vector3d p = T_base_tip.topRightCorner<3, 1>();
   const Eigen::Vector3d u = T_base_tip.block<3, 1>(0, 2);
   const double length = p.dot(u);

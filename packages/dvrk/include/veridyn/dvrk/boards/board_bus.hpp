@@ -207,11 +207,11 @@ class BoardBus {
   void read_by_register() noexcept;
   bool read_words(Board& b, QuadletSpan words) noexcept;
   void read_broadcast() noexcept;
-  void accept(Board& b, QuadletView block, double asked) noexcept;
+  void accept_block(Board& b, QuadletView block, double asked) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
-  void disconnect(Board& b, Condition why) noexcept;
-  void disconnect_and_log(Board& b, Condition why, std::uint32_t word) noexcept;
+  void mark_lost_read(Board& b, Condition why) noexcept;
+  void log_lost_read(Board& b, Condition why, std::uint32_t word) noexcept;
   void poll_registers() noexcept;
   void check_registers(Board& b) noexcept;
   void check_written_commands() noexcept;
