@@ -13,8 +13,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Parses the whole text as a finite number, independent of the locale; surrounding spaces are
-// allowed.
+// The whole text as a finite number, independent of the locale, without surrounding spaces; nullopt for other
+// text.
 std::optional<double> number_in(const std::string& word) {
   const auto first = word.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return std::nullopt;

@@ -65,6 +65,7 @@ void Exchange::drain() noexcept {
   }
 }
 
+// True if a datagram is another reply to a request that was sent twice.
 bool Exchange::answers_repeated(ByteView datagram) const noexcept {
   constexpr std::size_t kWithLabel = 8;
   if (!repeated_ || datagram.size <= kWithLabel) return false;
@@ -145,6 +146,7 @@ ReadResult Exchange::await(const Request& request, double until, Reply& reply) n
   }
 }
 
+// Counts a request; after every ReplyLoss::kRequests of them the lost replies are stored in loss_.
 void Exchange::count_request() noexcept {
   if (silence_expected_ || ++requests_ < ReplyLoss::kRequests) return;
   loss_.lost = lost_;
