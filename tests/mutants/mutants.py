@@ -76,7 +76,7 @@ MUTANTS = [
     ("control/sensors/load_cell_calibration.cpp", "1.0 / n + f_mean * f_mean / ff", "1.0 / n", ["load_cells"]),
     ("cooperation/motion_plan.cpp", "tips_[arm].force += wall.drag *", "tips_[arm].force -= wall.drag *", ["cooperation"]),
     ("cooperation/motion_plan.cpp", "a.head<3>() -= arm.state.tip().jacobian_rate()", "a.head<3>() += arm.state.tip().jacobian_rate()", ["cooperation"]),
-    ("cooperation/motion_plan.cpp", "line_of(seen, m).norm() - force / m.stiffness", "line_of(seen, m).norm() + force / m.stiffness", ["cooperation"]),
+    ("cooperation/motion_plan.cpp", "member_vector(seen, m).norm() - force / m.stiffness", "member_vector(seen, m).norm() + force / m.stiffness", ["cooperation"]),
     ("cooperation/phase_figures.cpp", "off.bottomRows<1>().norm()", "off.topRows<1>().norm()", ["cooperation"]),
     ("cooperation/phase_figures.cpp", "f.mean_error = error.tail(last).mean();", "f.mean_error = error.mean();", ["cooperation"]),
     ("cooperation/loop_gains.cpp", "scenario.seed + 2000 + static_cast<unsigned>(wall + 1000 * channel)", "scenario.seed + 2000", ["cooperation"]),

@@ -13,7 +13,7 @@
 namespace veridyn::python {
 namespace {
 
-CaptureOptions read_capture(Keywords& keywords) {
+CaptureOptions read_capture_options(Keywords& keywords) {
   CaptureOptions o;
   keywords.read("unit", o.unit);
   keywords.read("body", o.body);
@@ -21,8 +21,9 @@ CaptureOptions read_capture(Keywords& keywords) {
   return o;
 }
 
+// A calibration with its JSON, report and page, as Python shows it.
 template <typename Found>
-SharedStudy calibrated(const Found& found) {
+SharedStudy study_of(const Found& found) {
   const bool done = found.status == CalibrationStatus::kDone;
   return std::make_shared<Study>(Study{to_json(found), done ? found.report() : found.reason,
                                        [found](const std::string& call) { return to_page(found, call); }});
@@ -31,7 +32,7 @@ SharedStudy calibrated(const Found& found) {
 SharedStudy calibrate_links_call(const py::object& model, const std::string& poses, const py::dict& words) {
   Keywords keywords("calibrate_links", words);
   const Model arm = model_of(model);
-  const CaptureOptions capture = read_capture(keywords);
+  const CaptureOptions capture = read_capture_options(keywords);
   LinksOptions o;
   keywords.read("frame", o.frame);
   keywords.read("threads", o.threads);
@@ -45,7 +46,7 @@ SharedStudy calibrate_links_call(const py::object& model, const std::string& pos
   keywords.expect_all_taken();
   return interruptible(Progress(py::none()), [=] {
     const LinksCalibration found = calibrate_links(arm, read_poses(poses, capture), o);
-    SharedStudy out = calibrated(found);
+    SharedStudy out = study_of(found);
     out->model = found.model;
     return out;
   });
@@ -53,25 +54,25 @@ SharedStudy calibrate_links_call(const py::object& model, const std::string& pos
 
 SharedStudy calibrate_axis_call(const std::string& markers, const py::dict& words) {
   Keywords keywords("calibrate_axis", words);
-  const CaptureOptions capture = read_capture(keywords);
+  const CaptureOptions capture = read_capture_options(keywords);
   AxesOptions o;
   keywords.read("between", o.between);
   keywords.read("frames", o.most_frames);
   keywords.read("threads", o.threads);
   keywords.expect_all_taken();
-  return interruptible(Progress(py::none()), [=] { return calibrated(calibrate_axes(read_markers(markers, capture), o)); });
+  return interruptible(Progress(py::none()), [=] { return study_of(calibrate_axes(read_markers(markers, capture), o)); });
 }
 
 SharedStudy calibrate_rcm_call(const std::string& poses, const py::dict& words) {
   Keywords keywords("calibrate_rcm", words);
-  const CaptureOptions capture = read_capture(keywords);
+  const CaptureOptions capture = read_capture_options(keywords);
   keywords.expect_all_taken();
-  return interruptible(Progress(py::none()), [=] { return calibrated(calibrate_remote_center(read_poses(poses, capture))); });
+  return interruptible(Progress(py::none()), [=] { return study_of(calibrate_remote_center(read_poses(poses, capture))); });
 }
 
 SharedStudy calibrate_handeye_call(const std::string& a, const std::string& b, const py::dict& words) {
   Keywords keywords("calibrate_handeye", words);
-  const CaptureOptions capture = read_capture(keywords);
+  const CaptureOptions capture = read_capture_options(keywords);
   HandEyeOptions o;
   HandEyeForm form = HandEyeForm::kTwoBases;
   if (keywords.given("form")) {
@@ -83,7 +84,7 @@ SharedStudy calibrate_handeye_call(const std::string& a, const std::string& b, c
   }
   keywords.expect_all_taken();
   return interruptible(Progress(py::none()),
-                       [=] { return calibrated(calibrate_hand_eye(read_poses(a, capture), read_poses(b, capture), o)); });
+                       [=] { return study_of(calibrate_hand_eye(read_poses(a, capture), read_poses(b, capture), o)); });
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ using internal::HingeBundle;
 using internal::HingeTree;
 using internal::RigidBody;
 
-void describe_bodies(const std::vector<RigidBody>& bodies, AxesCalibration& out) {
+// Appends the result of every rigid body to out.bodies.
+void append_captured_bodies(const std::vector<RigidBody>& bodies, AxesCalibration& out) {
   for (const RigidBody& b : bodies) {
     CapturedBody body;
     body.name = b.name;
@@ -37,7 +38,7 @@ struct LinkOfBundle {
 };
 
 // Pairs of successive hinges on one body: along the tree, then around every loop.
-std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
+std::vector<LinkOfBundle> adjacent_hinge_pairs(const HingeBundle& bundle) {
   std::vector<LinkOfBundle> out;
   const auto add = [&](int first, int second, int body) {
     const bool there = std::any_of(out.begin(), out.end(), [&](const LinkOfBundle& l) {
@@ -68,12 +69,12 @@ std::vector<LinkOfBundle> links_of(const HingeBundle& bundle) {
   return out;
 }
 
-// Appends the results of one chain, with the axes in the order of its hinges.
-void append(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, AxesCalibration& out) {
+// Appends axes, links, shapes and residuals of one chain to `out`, with the axes in the order of its hinges.
+void append_chain(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, AxesCalibration& out) {
   const int first = static_cast<int>(out.axes.size());
   const HingeTree& tree = bundle.tree();
   for (int j = 0; j < bundle.hinges(); ++j) out.axes.push_back(axis_result(bundle, bodies, j));
-  for (const LinkOfBundle& l : links_of(bundle)) {
+  for (const LinkOfBundle& l : adjacent_hinge_pairs(bundle)) {
     CalibratedLink link = link_result(bundle, l.first, l.second, l.body);
     link.first = first + l.first;
     link.second = first + l.second;
@@ -97,20 +98,20 @@ AxesCalibration calibrate_axes(const MarkerCapture& recorded, const AxesOptions&
   out.frames = static_cast<int>(recorded.time.size());
   MarkerCapture capture = recorded;
   const std::vector<RigidBody> bodies = internal::rigid_bodies(capture);
-  describe_bodies(bodies, out);
+  append_captured_bodies(bodies, out);
   if (out.frames < options.fewest_frames) {
     out.reason = fmt::format("too few frames: {}, and {} or more are needed", out.frames,
                              options.fewest_frames);
     return out;
   }
-  for (const HingeTree& tree : find_hinges(bodies, options, out.cannot_tell)) {
+  for (const HingeTree& tree : find_hinge_trees(bodies, options, out.cannot_tell)) {
     HingeBundle bundle(capture, bodies, tree, options);
     if (!bundle.ready()) {
       out.cannot_tell.push_back(bundle.reason());
       continue;
     }
     bundle.fit();
-    append(bundle, bodies, out);
+    append_chain(bundle, bodies, out);
   }
   if (out.axes.empty()) {
     for (const std::string& why : out.cannot_tell) out.reason += (out.reason.empty() ? "" : "; ") + why;

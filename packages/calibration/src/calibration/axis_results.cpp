@@ -56,7 +56,8 @@ std::vector<int> frames_at_rest(const HingeBundle& bundle, int hinge) {
   return best;
 }
 
-double mean_of_selected(const VectorXd& values, const std::vector<int>& over) {
+// Mean of `values` at the indices `over`; 0 if there are none.
+double mean_over(const VectorXd& values, const std::vector<int>& over) {
   double sum = 0.0;
   for (const int k : over) sum += values[k];
   return over.empty() ? 0.0 : sum / static_cast<double>(over.size());
@@ -67,13 +68,14 @@ Vector3d plane_intersection(const Line& line, const Vector3d& n, const Vector3d&
   return line.point + line.direction * ((p - line.point).dot(n) / line.direction.dot(n));
 }
 
-// Derivatives of functions of the shared unknowns, nonzero for hinges only.
+// Derivatives of f(shared unknowns) by differences, (size of f x shared unknowns); nonzero only for the
+// unknowns of `hinges`.
 MatrixXd derivatives(const HingeBundle& bundle, const std::vector<int>& hinges,
                      const std::function<VectorXd(const VectorXd&)>& f) {
   VectorXd step = VectorXd::Zero(bundle.shared_size());
   MatrixXd J = MatrixXd::Zero(f(step).size(), bundle.shared_size());
   for (const int j : hinges) {
-    for (int c = bundle.offset(j); c < bundle.offset(j) + 4; ++c) {
+    for (int c = bundle.first_unknown(j); c < bundle.first_unknown(j) + 4; ++c) {
       step[c] = kStep;
       const VectorXd up = f(step);
       step[c] = -kStep;
@@ -84,29 +86,29 @@ MatrixXd derivatives(const HingeBundle& bundle, const std::vector<int>& hinges,
   return J;
 }
 
-// The distance of two lines, signed along the common normal, so that it is smooth at zero.
+// Distance [m] of two lines, negative if the vector from a to b points against `side`; so it is smooth at zero.
 double normal_distance(const Line& a, const Line& b, const Vector3d& side) {
   const Vector3d n = a.direction.cross(b.direction).normalized();
   const double d = (b.point - a.point).dot(n);
   return n.dot(side) < 0.0 ? -d : d;
 }
 
-// The distance of two lines in the plane across their mean direction through a point.
-Vector3d plane_offset(const Line& a, const Line& b, const Vector3d& at) {
+// Vector [m] from line a to line b in the plane through `at` that is perpendicular to their mean direction.
+Vector3d offset_in_plane(const Line& a, const Line& b, const Vector3d& at) {
   const double same = a.direction.dot(b.direction) < 0.0 ? -1.0 : 1.0;
   const Vector3d n = (a.direction + same * b.direction).normalized();
   return plane_intersection(b, n, at) - plane_intersection(a, n, at);
 }
 
-double acute_angle_between(const Line& a, const Line& b) {
+// Angle [rad] of two lines, 0 to pi/2.
+double angle_between(const Line& a, const Line& b) {
   const double c = std::abs(a.direction.dot(b.direction));
   return std::atan2(a.direction.cross(b.direction).norm(), c);
 }
 
 }  // namespace
 
-CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
-                           int hinge) {
+CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, int hinge) {
   const Hinge& h = bundle.hinge(hinge);
   CalibratedAxis out;
   out.closes_loop = bundle.closes_loop(hinge);
@@ -121,14 +123,14 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   out.frames = static_cast<int>(rest.size());
   const std::vector<int> above = bundle.path_from_root(hinge);
   VectorXd mean = VectorXd::Zero(bundle.tree().hinges.size());
-  for (const int j : above) mean[j] = mean_of_selected(bundle.angles(j), rest);
+  for (const int j : above) mean[j] = mean_over(bundle.angles(j), rest);
   // The line at the position where the joints above rested.
   const auto line_at = [&](const VectorXd& step, const VectorXd& angles) {
     Line line = bundle.line(hinge, step);
     for (auto j = above.rbegin(); j != above.rend(); ++j) {
       const Line axis = bundle.line(*j, step);
       line.direction = rotation_of(angles[*j] * axis.direction) * line.direction;
-      line.point = turned(axis, angles[*j], line.point);
+      line.point = rotated_about(axis, angles[*j], line.point);
     }
     return line;
   };
@@ -136,7 +138,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   const Line line = line_at(none, mean);
   Vector3d markers = bundle.shape(h.b).rowwise().mean();
   for (auto j = above.rbegin(); j != above.rend(); ++j)
-    markers = turned(bundle.line(*j), mean[*j], markers);
+    markers = rotated_about(bundle.line(*j), mean[*j], markers);
   out.direction = line.direction;
   out.point = line.point + line.direction * (markers - line.point).dot(line.direction);
   Eigen::Matrix<double, 3, 2> plane;
@@ -146,14 +148,12 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
     const Line moved = line_at(step, angles);
     VectorXd e(4);
     e.head<2>() = plane.transpose() * moved.direction;
-    e.tail<2>() =
-        plane.transpose() * (plane_intersection(moved, line.direction, out.point) - out.point);
+    e.tail<2>() = plane.transpose() * (plane_intersection(moved, line.direction, out.point) - out.point);
     return e;
   };
   std::vector<int> path = above;
   path.push_back(hinge);
-  const MatrixXd shared =
-      derivatives(bundle, path, [&](const VectorXd& step) { return errors(step, mean); });
+  const MatrixXd shared = derivatives(bundle, path, [&](const VectorXd& step) { return errors(step, mean); });
   MatrixXd by_angle = MatrixXd::Zero(4, mean.size());
   for (const int j : above) {
     VectorXd up = mean;
@@ -172,16 +172,14 @@ CalibratedLink link_result(const HingeBundle& bundle, int first, int second, int
   CalibratedLink out;
   const Line a = bundle.line(first);
   const Line b = bundle.line(second);
-  const Vector3d level =
-      bundle.shape(body >= 0 ? body : bundle.hinge(second).b).rowwise().mean();
+  const Vector3d level = bundle.shape(body >= 0 ? body : bundle.hinge(second).b).rowwise().mean();
   const Vector3d normal = a.direction.cross(b.direction);
-  const Vector3d offset = plane_offset(a, b, level).normalized();
+  const Vector3d across = offset_in_plane(a, b, level).normalized();
   const auto values = [&](const VectorXd& step) -> VectorXd {
     const Line la = bundle.line(first, step);
     const Line lb = bundle.line(second, step);
     VectorXd v(3);
-    v << normal_distance(la, lb, normal), plane_offset(la, lb, level).dot(offset),
-        acute_angle_between(la, lb);
+    v << normal_distance(la, lb, normal), offset_in_plane(la, lb, level).dot(across), angle_between(la, lb);
     return v;
   };
   const VectorXd at = values(VectorXd::Zero(bundle.shared_size()));

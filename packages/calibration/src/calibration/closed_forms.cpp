@@ -16,8 +16,7 @@ namespace {
 
 constexpr double kSmallAngle = 1e-6;  // [rad] smallest angle for which the second-order series is not used
 
-// Root mean square without the largest twentieth, so that a few wrong poses do not decide whether the pair is
-// a hinge.
+// Root mean square, from squares, without the largest twentieth: a few wrong poses do not decide about a hinge.
 double trimmed_rms(std::vector<double> squares) {
   std::sort(squares.begin(), squares.end());
   const std::size_t kept = std::max<std::size_t>(1, squares.size() - squares.size() / 20);
@@ -27,7 +26,7 @@ double trimmed_rms(std::vector<double> squares) {
 }
 
 // Computes wobble, play and slide of an axis from the relative poses.
-void measure(const Isometries& T_a_b, CommonAxis& axis) {
+void set_axis_residuals(const Isometries& T_a_b, CommonAxis& axis) {
   std::vector<double> wobble;
   std::vector<double> play;
   std::vector<double> slide;
@@ -134,7 +133,7 @@ CommonAxis common_axis(const Isometries& T_a_b) {
   }
   axis.in_b.point = across * symmetric_solution(N, g);
   axis.in_a.point = spread.mean * axis.in_b.point + mean_p;
-  measure(T_a_b, axis);
+  set_axis_residuals(T_a_b, axis);
   return axis;
 }
 
@@ -172,7 +171,7 @@ HandAndWorld hand_and_world(const Isometries& A, const Isometries& B) {
   return out;
 }
 
-Isometry3d hand_eye(const Isometries& A, const Isometries& B) {
+Isometry3d solve_hand_eye(const Isometries& A, const Isometries& B) {
   Matrix3d M = Matrix3d::Zero();
   for (std::size_t k = 0; k < A.size(); ++k)
     M += rotation_vector(A[k].linear()) * rotation_vector(B[k].linear()).transpose();

@@ -69,6 +69,6 @@ HandAndWorld hand_and_world(const Isometries& A, const Isometries& B);
 
 /// X with A_k X = X B_k. Source: Park and Martin, IEEE Transactions on Robotics and Automation
 /// 10(5), 1994.
-Eigen::Isometry3d hand_eye(const Isometries& A, const Isometries& B);
+Eigen::Isometry3d solve_hand_eye(const Isometries& A, const Isometries& B);
 
 }  // namespace veridyn::internal

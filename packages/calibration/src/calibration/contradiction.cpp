@@ -9,14 +9,14 @@
 namespace veridyn::internal {
 namespace {
 
-// [m], [rad] residual that is never a contradiction, however little the poses vary: a body with its origin at
+// [m], [rad] residual that is never a contradiction_reason, however little the poses vary: a body with its origin at
 // the remote centre hardly moves.
 constexpr double kCloseFit = 0.005;
 constexpr double kCloseTurn = 2.0 * kDegree;
 
 }  // namespace
 
-std::string contradiction(const Isometries& poses, const LeftOver& left) {
+std::string contradiction_reason(const Isometries& poses, const FitResiduals& left) {
   if (2 * left.outliers > static_cast<int>(poses.size()))
     return fmt::format("{} of {} poses, more than half, contradict any answer", left.outliers, poses.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();

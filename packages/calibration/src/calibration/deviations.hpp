@@ -22,7 +22,8 @@ double robust_deviation_of_lengths(std::vector<double> lengths);
 /// @param degrees_of_freedom  of the estimated scale of the covariance.
 double error_radius(const MatrixRef& covariance, double degrees_of_freedom);
 
-/// Half width of a 95 % interval, from a variance.
+/// Half width of the 95 % interval of a value, by Student's t, from its variance and the degrees of freedom of
+/// that variance.
 double half_width(double variance, double degrees_of_freedom);
 
 /// Factor by which the variance of a mean exceeds that of independent values, from residuals in the

@@ -28,7 +28,8 @@ constexpr HandEyeForm kForms[] = {HandEyeForm::kCommonPoses, HandEyeForm::kHandE
                                   HandEyeForm::kEyeInHand, HandEyeForm::kTwoBases,
                                   HandEyeForm::kCommonPoints};
 
-// The first form that fits as well as any; -1: undecidable.
+// Index in kForms of the first form whose noise is close to the smallest; the most general one if none is; -1
+// if that is not identifiable.
 int first_good_form(const std::vector<PairFit>& fits) {
   double noise = INFINITY;
   double angle = INFINITY;
@@ -55,8 +56,7 @@ int first_good_form(const std::vector<PairFit>& fits) {
   if (points_alone || (!compared && points.reason.empty() && !fits[0].reason.empty()))
     return static_cast<int>(fits.size()) - 1;
   if (!compared) {
-    const bool close = fits[0].reason.empty() && fits[0].noise < kCloseFit &&
-                       fits[0].noise_angle < kCloseTurn;
+    const bool close = fits[0].reason.empty() && fits[0].noise < kCloseFit && fits[0].noise_angle < kCloseTurn;
     return close ? 0 : -1;
   }
   for (std::size_t k = 0; k + 1 < fits.size(); ++k) {
@@ -66,6 +66,7 @@ int first_good_form(const std::vector<PairFit>& fits) {
   return fits[3].reason.empty() ? 3 : -1;
 }
 
+// Copies a fit to `out`, with 95 % radii in place of covariances.
 void copy_result(const PairFit& fit, HandEye& out) {
   out.status = CalibrationStatus::kDone;
   const bool is_hand = out.form == HandEyeForm::kEyeInHand;
@@ -110,8 +111,7 @@ const char* name_of(HandEyeForm form) {
   return "";
 }
 
-HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
-                           const HandEyeOptions& options) {
+HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B, const HandEyeOptions& options) {
   require(A.file_rows == B.file_rows, B.source, ": found ", B.file_rows, " rows, expected ",
           A.file_rows, " as in ", A.source, " (rows belong together in pairs).");
   HandEye out;
@@ -164,7 +164,7 @@ HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
   }
   out.form = kForms[found];
   copy_result(fits[found], out);
-  out.reason = internal::contradiction(a, {out.outliers, out.rms, out.rms_angle});
+  out.reason = internal::contradiction_reason(a, {out.outliers, out.rms, out.rms_angle});
   if (out.reason.empty()) return out;
   out.status = CalibrationStatus::kCannotAnswer;
   out.reason += fmt::format("; rows of the two files may not belong together, or not in this form ({})", name_of(out.form));
@@ -190,8 +190,7 @@ std::string HandEye::report() const {
     text += form == HandEyeForm::kEyeInHand ? "  target\n" : "  tool\n";
     text += pose(*other, other_radius, other_radius_angle);
   }
-  text += fmt::format("  Left over: {:.3f} mm rms, {:.4f} deg rms.\n", 1e3 * rms,
-                      rms_angle / kDegree);
+  text += fmt::format("  Left over: {:.3f} mm rms, {:.4f} deg rms.\n", 1e3 * rms, rms_angle / kDegree);
   if (forms.size() < 2) return text;
   text += "  Forms tried (deviation of one component):";
   for (const Alternative& f : forms) {

@@ -23,6 +23,7 @@ constexpr double kOutlier = 5.0;      // standard deviations beyond which a pair
 constexpr int kRounds = 4;            // fits, each with the noise estimated by the previous one
 constexpr double kNarrow = 0.01;  // width per length below which points count as collinear
 
+// Robust fit of A_k X = Y B_k in one of its forms.
 class PairProblem {
  public:
   PairProblem(const Isometries& A, const Isometries& B, HandEyeForm form)
@@ -34,28 +35,30 @@ class PairProblem {
 
   PairFit fit() {
     set_initial_poses();
-    measure_noise();
+    update_residuals();
     out_.is_outlier.assign(A_.size(), 0);
     for (int round = 0; round < kRounds; ++round) {
       solve(round + 1 == kRounds ? 0.0 : kHuber);
-      measure_noise();
+      update_residuals();
       if (round + 2 == kRounds) mark_outliers();
     }
     return std::move(out_);
   }
 
  private:
-  bool fits_hand() const {
+  // True if X is unknown and independent of Y.
+  bool has_second_pose() const {
     return form_ == HandEyeForm::kTwoBases || form_ == HandEyeForm::kEyeInHand;
   }
   bool is_hand_eye() const { return form_ == HandEyeForm::kHandEye; }
 
+  // Sets X and Y from closed forms.
   void set_initial_poses() {
-    if (fits_hand() || is_hand_eye()) {
+    if (has_second_pose() || is_hand_eye()) {
       const HandAndWorld both = hand_and_world(A_, B_);
       out_.Y = both.Y;
       out_.X = both.X;
-      if (is_hand_eye()) out_.X = out_.Y = hand_eye(A_, B_);
+      if (is_hand_eye()) out_.X = out_.Y = solve_hand_eye(A_, B_);
       return;
     }
     const auto n = static_cast<Eigen::Index>(A_.size());
@@ -74,18 +77,17 @@ class PairProblem {
     out_.Y.translation() = a.rowwise().mean() - out_.Y.linear() * b.rowwise().mean();
   }
 
-  // [m] of pair k, in the frame of the first system.
   Vector3d position_error(std::size_t k) const {
     return A_[k] * out_.X.translation() - out_.Y * B_[k].translation();
   }
 
-  // [rad] rotation vector of pair k.
   Vector3d rotation_error(std::size_t k) const {
     return rotation_vector((out_.Y.linear() * B_[k].linear()).transpose() * A_[k].linear() *
                            out_.X.linear());
   }
 
-  void measure_noise() {
+  // Recomputes the residuals and the noise [m], [rad] from them.
+  void update_residuals() {
     std::vector<double> lengths;
     std::vector<double> angles;
     out_.residuals.clear();
@@ -102,28 +104,28 @@ class PairProblem {
   void mark_outliers() {
     for (std::size_t k = 0; k < A_.size(); ++k) {
       const bool far = out_.residuals[k].norm() > kOutlier * std::sqrt(3.0) * out_.noise;
-      const bool turned =
-          oriented_ && out_.angles[k] > kOutlier * std::sqrt(3.0) * out_.noise_angle;
+      const bool turned = oriented_ && out_.angles[k] > kOutlier * std::sqrt(3.0) * out_.noise_angle;
       out_.is_outlier[k] = far || turned ? 1 : 0;
     }
   }
 
+  // Updates X and Y by least squares with Huber's loss; with huber = 0, squares, and their covariances too.
   void solve(double huber) {
     LeastSquares problem;
     const int Y = problem.add_unknown(VectorXd::Zero(6));
-    const int X = fits_hand() ? problem.add_unknown(VectorXd::Zero(6)) : -1;
+    const int X = has_second_pose() ? problem.add_unknown(VectorXd::Zero(6)) : -1;
     const Isometry3d X0 = out_.X;
     const Isometry3d Y0 = out_.Y;
     for (std::size_t k = 0; k < A_.size(); ++k) {
       if (out_.is_outlier[k] != 0) continue;
       std::vector<int> unknowns = {Y};
-      if (fits_hand()) unknowns.push_back(X);
+      if (has_second_pose()) unknowns.push_back(X);
       problem.add({unknowns, 3, position_residual(k, X0, Y0), huber, true});
       if (oriented_) problem.add({unknowns, 3, rotation_residual(k, X0, Y0), huber, true});
     }
     problem.minimise();
     out_.Y = moved_pose(Y0, problem.value(Y).data());
-    if (fits_hand()) out_.X = moved_pose(X0, problem.value(X).data());
+    if (has_second_pose()) out_.X = moved_pose(X0, problem.value(X).data());
     if (is_hand_eye()) out_.X = out_.Y;
     if (huber > 0.0) return;
     const Information information(problem);
@@ -134,7 +136,7 @@ class PairProblem {
     MatrixXd pick = MatrixXd::Zero(6, problem.shared_size());
     pick.leftCols<6>().setIdentity();
     out_.covariance_Y = scale * information.covariance(pick);
-    if (!fits_hand()) return;
+    if (!has_second_pose()) return;
     pick.setZero();
     pick.rightCols<6>().setIdentity();
     out_.covariance_X = scale * information.covariance(pick);
@@ -151,7 +153,7 @@ class PairProblem {
   // A t_X + t_A - R_Y t_B - t_Y, per standard deviation.
   Residual position_residual(std::size_t k, const Isometry3d& X0, const Isometry3d& Y0) const {
     const double weight = 1.0 / out_.noise;
-    const bool free_X = fits_hand();
+    const bool free_X = has_second_pose();
     const bool one = is_hand_eye();
     return [=, &A = A_[k], &B = B_[k]](const double* const* x, double* r, double* const* J) {
       const Isometry3d Y = moved_pose(Y0, x[0]);
@@ -176,7 +178,7 @@ class PairProblem {
   // log((R_Y R_B)' R_A R_X), per standard deviation.
   Residual rotation_residual(std::size_t k, const Isometry3d& X0, const Isometry3d& Y0) const {
     const double weight = 1.0 / out_.noise_angle;
-    const bool free_X = fits_hand();
+    const bool free_X = has_second_pose();
     const bool one = is_hand_eye();
     return [=, &A = A_[k], &B = B_[k]](const double* const* x, double* r, double* const* J) {
       const Isometry3d Y = moved_pose(Y0, x[0]);
@@ -191,8 +193,7 @@ class PairProblem {
         Eigen::Map<RowMajor3> J_Y(J[0]);
         J_Y.setZero();
         const Matrix3d right = right_jacobian(Eigen::Map<const Vector3d>(x[0]));
-        J_Y.leftCols<3>() =
-            -weight * left_jacobian_inverse(phi) * B.linear().transpose() * right;
+        J_Y.leftCols<3>() = -weight * left_jacobian_inverse(phi) * B.linear().transpose() * right;
         if (one) J_Y.leftCols<3>() += weight * by_X * right;
       }
       if (!free_X || J[1] == nullptr) return;
@@ -240,8 +241,7 @@ std::string unidentifiable_reason(const Isometries& A, HandEyeForm form, double 
 
 }  // namespace
 
-PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form,
-                  double smallest_swing) {
+PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form, double smallest_swing) {
   PairFit none;
   none.reason = unidentifiable_reason(A, form, smallest_swing);
   if (!none.reason.empty()) return none;

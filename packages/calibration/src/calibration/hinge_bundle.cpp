@@ -29,7 +29,7 @@ HingeBundle::HingeBundle(const MarkerCapture& capture, const std::vector<RigidBo
     : capture_(capture), bodies_(bodies), tree_(tree), options_(options) {
   choose_frames();
   if (!ready()) return;
-  start();
+  set_initial_values();
   add_markers();
   add_closures();
 }
@@ -70,7 +70,7 @@ void HingeBundle::choose_frames() {
 }
 
 // Sets axes, angles and poses of the root from the closed forms.
-void HingeBundle::start() {
+void HingeBundle::set_initial_values() {
   const int reference = frames_.front();
   const auto moved = [&](int body, int frame) -> Isometry3d {
     if (body < 0 || (body == tree_.root && tree_.root_rests)) return Isometry3d::Identity();
@@ -108,16 +108,15 @@ void HingeBundle::start() {
       const Hinge& hinge = tree_.hinges[j];
       if (!seen(hinge.a, frame) || !seen(hinge.b, frame)) continue;  // keeps the previous angle
       const Isometry3d turn = moved(hinge.a, frame).inverse() * moved(hinge.b, frame);
-      last[free_root + static_cast<Eigen::Index>(j)] =
-          rotation_vector(turn.linear()).dot(start_[j].direction);
+      last[free_root + static_cast<Eigen::Index>(j)] = rotation_vector(turn.linear()).dot(start_[j].direction);
     }
     root_start_.push_back(root);
     const bool is_reference = frame_unknown_.empty();
-    frame_unknown_.push_back(
-        is_reference ? -1 : problem_.add_unknown(last, LeastSquares::Scope::kLocal));
+    frame_unknown_.push_back(is_reference ? -1 : problem_.add_unknown(last, LeastSquares::Scope::kLocal));
   }
 }
 
+// Adds an unknown position for every marker and an observation for every frame that shows it.
 void HingeBundle::add_markers() {
   std::vector<double> noises;
   for (const int body : tree_.bodies) noises.push_back(bodies_[at(body)].noise);
@@ -147,6 +146,7 @@ void HingeBundle::add_markers() {
   }
 }
 
+// The hinges with their initial lines and the root's pose at a used frame, without a marker.
 HingePath HingeBundle::free_path(const std::vector<int>& hinges, int frame) const {
   HingePath path;
   path.hinges = hinges;
@@ -161,11 +161,11 @@ HingePath HingeBundle::free_path(const std::vector<int>& hinges, int frame) cons
   return path;
 }
 
+// Residual of one observed marker position over its noise.
 Residual HingeBundle::residual(const Seen& seen) const {
   HingePath path = free_path(this->path(tree_.bodies[at(seen.body)]), seen.frame);
   const RigidBody& body = bodies_[at(tree_.bodies[at(seen.body)])];
-  path.measured = capture_.markers[at(body.markers[at(seen.marker)])].position.col(
-      frames_[at(seen.frame)]);
+  path.measured = capture_.markers[at(body.markers[at(seen.marker)])].position.col(frames_[at(seen.frame)]);
   const double* noise = &noise_;
   return [path = std::move(path), noise](const double* const* x, double* r, double* const* J) {
     path.evaluate(x, *noise, r, J);
@@ -184,13 +184,14 @@ void HingeBundle::fit() {
     close_loops();
     problem_.minimise(options_.threads, 30);
   }
-  finish();
+  estimate_uncertainty();
   if (closed_.empty() || !estimate_play(Spread::kMeanSquare)) return;
   close_loops();
   problem_.minimise(options_.threads, 30);
-  finish();
+  estimate_uncertainty();
 }
 
+// Re-estimates the noise and deactivates the observations beyond options.outlier deviations.
 void HingeBundle::reject_outliers() {
   std::vector<double> lengths;
   double locals = 0.0;
@@ -212,7 +213,8 @@ void HingeBundle::reject_outliers() {
   noise_ = std::max(kLeast, noise_ * deviation);
 }
 
-void HingeBundle::finish() {
+// Computes the information matrix, the correlation of frames and the variance of the residuals.
+void HingeBundle::estimate_uncertainty() {
   information_ = std::make_unique<Information>(problem_);
   double chi2 = 0.0;
   std::map<std::pair<int, int>, std::vector<std::vector<double>>> series;
@@ -254,6 +256,7 @@ std::vector<double> HingeBundle::residuals() const {
   return out;
 }
 
+// Hinge that joins a body to its parent; -1 for the root.
 int HingeBundle::hinge_of(int body) const {
   for (std::size_t j = 0; j < tree_.hinges.size(); ++j) {
     if (tree_.hinges[j].b == body) return static_cast<int>(j);
@@ -279,11 +282,11 @@ std::vector<int> HingeBundle::path_from_root(int hinge) const {
 
 Line HingeBundle::line(int hinge, const VectorXd& step) const {
   VectorXd x = problem_.value(hinge_unknown_[at(hinge)]);
-  if (step.size() > 0) x += step.segment(offset(hinge), 4);
+  if (step.size() > 0) x += step.segment(first_unknown(hinge), 4);
   return moved_line(start_[at(hinge)], plane_[at(hinge)], x.data());
 }
 
-int HingeBundle::offset(int hinge) const {
+int HingeBundle::first_unknown(int hinge) const {
   return problem_.shared_offset(hinge_unknown_[at(hinge)]);
 }
 

@@ -27,54 +27,54 @@ class HingeBundle {
   bool ready() const { return reason_.empty(); }
   const std::string& reason() const { return reason_; }
 
-  void fit();  ///< solves for the hinges, and again without outliers
+  /// Minimises the residuals, excludes outliers and estimates the play of loops; call it once if ready().
+  void fit();
 
   const HingeTree& tree() const { return tree_; }
   /// Hinges of the tree, then those that close a loop.
   int hinges() const { return static_cast<int>(tree_.hinges.size() + tree_.closing.size()); }
   const Hinge& hinge(int hinge) const;
-  bool closes_loop(int hinge) const { return hinge >= static_cast<int>(tree_.hinges.size()); }  ///< true: not part of the tree
+  bool closes_loop(int hinge) const { return hinge >= static_cast<int>(tree_.hinges.size()); }
   /// [m] of a hinge that closes a loop: rms gap of the loop beyond the noise; zero if the noise explains all
   /// of it.
   double play(int hinge) const;
-  int frames() const { return static_cast<int>(frames_.size()); }  ///< number of fitted frames
-  int outliers() const { return outliers_; }  ///< number of marker observations left out
+  int frames() const { return static_cast<int>(frames_.size()); }
+  int outliers() const { return outliers_; }
   double noise() const { return noise_; }  ///< [m] standard deviation of one coordinate
   double correlation() const { return correlation_; }
   double degrees_of_freedom() const { return degrees_of_freedom_; }
   std::vector<double> residuals() const;  ///< [m] one per coordinate of every marker
 
-  /// Hinge j at the reference, with shared unknowns displaced by `step` (empty: none).
+  /// [m] Line of a hinge at the reference, with shared unknowns displaced by `step` (empty: none).
   Line line(int hinge, const VectorXd& step = {}) const;
-  /// Markers of a tree's body at the reference, (3 x markers).
+  /// (3 x markers) [m] markers of a body of the tree at the reference.
   MatrixXd shape(int body) const;
-  /// Hinges from the root to hinge j, without j.
+  /// Hinges from the root to a hinge, without that hinge.
   std::vector<int> path_from_root(int hinge) const;
-  /// Hinges from the root to a body.
+  /// Hinges from the root to a body (index of the capture).
   std::vector<int> path(int body) const;
-  /// Angles of a hinge at every frame.
+  /// (frames) [rad] angles of a hinge, 0 at the reference.
   VectorXd angles(int hinge) const;
   /// Covariance of functions of the lines and of mean angles over some frames.
   /// @param shared        (functions x shared unknowns)
   /// @param mean_angles   (functions x hinges): derivatives by the mean angle over `over`
-  MatrixXd covariance(const MatrixXd& shared, const MatrixXd& mean_angles,
-                      const std::vector<int>& over) const;
+  MatrixXd covariance(const MatrixXd& shared, const MatrixXd& mean_angles, const std::vector<int>& over) const;
   int shared_size() const { return problem_.shared_size(); }
-  /// Index of the first of a hinge's four unknowns.
-  int offset(int hinge) const;
+  /// Index of the first of a hinge's four unknowns among the shared ones.
+  int first_unknown(int hinge) const;
 
  private:
   struct Seen {
     int frame, body, marker;  // used frame; body of the capture; marker of the body
   };
   void choose_frames();
-  void start();
+  void set_initial_values();
   void add_markers();
   void add_closures();
   HingePath free_path(const std::vector<int>& hinges, int frame) const;
   Residual residual(const Seen& seen) const;
   void reject_outliers();
-  void finish();
+  void estimate_uncertainty();
   double closure_leverage(const Observation& o, int frame) const;
   enum class Spread { kRobust, kMeanSquare };  // estimator of the spread of a loop's gaps; kRobust tolerates outliers
   bool estimate_play(Spread spread);

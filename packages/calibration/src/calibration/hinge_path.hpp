@@ -6,11 +6,12 @@
 
 namespace veridyn::internal {
 
-/// A line displaced by four unknowns: two rotate its direction, two shift its point across it.
+/// The line `start` displaced by four unknowns x: x[0], x[1] rotate its direction, x[2], x[3] [m] shift its
+/// point, along the columns of `plane`, two unit vectors across it.
 Line moved_line(const Line& start, const Eigen::Matrix<double, 3, 2>& plane, const double* x);
 
-/// A point rotated about a line.
-Eigen::Vector3d turned(const Line& line, double angle, const Eigen::Vector3d& point);
+/// A point rotated about a line by an angle [rad].
+Eigen::Vector3d rotated_about(const Line& line, double angle, const Eigen::Vector3d& point);
 
 /// One marker at one frame, seen through the hinges between the root and its body.
 struct HingePath {
@@ -20,7 +21,7 @@ struct HingePath {
   Eigen::Isometry3d root;
   bool root_rests = true;
   bool is_reference = false;  ///< True at the reference instant: all hinge angles are zero, and it has no unknowns of its own
-  int local_size = 0;
+  int local_size = 0;  ///< number of unknowns of the frame
   Eigen::Vector3d measured{0, 0, 0};
 
   /// (model - measured) / noise, with derivatives.

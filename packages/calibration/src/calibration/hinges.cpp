@@ -19,16 +19,19 @@ constexpr double kLooseTurn = 0.5 * kDegree; // allowed in addition to the noise
 constexpr double kLoosePlay = 0.001;         // [m] allowed in addition to the noise
 constexpr double kStill = 4.0;  // standard deviations within which a body counts as resting
 
+// A pair of bodies (-1: the cameras) with the axis that fits it best.
 struct Candidate {
   int a, b;
   CommonAxis axis;
   std::string reason;  // reason if the pair is no hinge; empty if it is
 };
 
+// [rad] Standard deviation of the body's orientation about its narrowest direction.
 double orientation_noise(const RigidBody& body) {
   return body.noise / std::max(1e-6, body.breadth);
 }
 
+// True if the body's farthest marker scatters by less than 4 deviations of its noise.
 bool is_stationary(const RigidBody& body) {
   // Position noise of its farthest marker.
   Eigen::Index far = 0;
@@ -44,12 +47,13 @@ bool is_stationary(const RigidBody& body) {
   return std::sqrt(square / 3.0) < kStill * body.noise;
 }
 
-class Finder {
+class HingeFinder {
  public:
-  Finder(const std::vector<RigidBody>& bodies, const AxesOptions& options)
+  HingeFinder(const std::vector<RigidBody>& bodies, const AxesOptions& options)
       : bodies_(bodies), options_(options) {}
 
-  Candidate candidate(int a, int b) const {
+  // Finds the common axis of two bodies; `reason` states why they are no hinge.
+  Candidate examine_pair(int a, int b) const {
     Candidate c{a, b, {}, ""};
     const auto quoted = [](const std::string& body) {
       return body.empty() ? "the body" : "'" + body + "'";
@@ -98,6 +102,7 @@ class Finder {
   const RigidBody& body(int k) const { return bodies_[k]; }
   std::string name(int k) const { return k < 0 ? "world" : body(k).name; }
 
+  // Index of a body by name; -1: "world". Throws InvalidInput for another name.
   int index(const std::string& wanted) const {
     std::vector<std::string> names;
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -120,16 +125,17 @@ class Sets {
   explicit Sets(int bodies) : parent_(static_cast<std::size_t>(bodies) + 1) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
-  bool unite(int a, int b) {
-    const int x = find(entry_of(a));
-    const int y = find(entry_of(b));
+  // Unites the sets of two bodies; false if they were one set already.
+  bool join(int a, int b) {
+    const int x = find(slot(a));
+    const int y = find(slot(b));
     parent_[x] = y;
     return x != y;
   }
-  bool are_united(int a, int b) { return find(entry_of(a)) == find(entry_of(b)); }
+  bool same(int a, int b) { return find(slot(a)) == find(slot(b)); }
 
  private:
-  int entry_of(int body) const { return body < 0 ? static_cast<int>(parent_.size()) - 1 : body; }
+  int slot(int body) const { return body < 0 ? static_cast<int>(parent_.size()) - 1 : body; }
   int find(int x) {
     while (parent_[x] != x) x = parent_[x];
     return x;
@@ -137,10 +143,11 @@ class Sets {
   std::vector<int> parent_;
 };
 
-HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder& finder) {
+// The tree of hinges that `edges` reach from the root, parents first.
+HingeTree tree_from(int root, const std::vector<Candidate>& edges, const HingeFinder& hinge_finder) {
   HingeTree tree;
   tree.root = root;
-  tree.root_rests = root < 0 || is_stationary(finder.body(root));
+  tree.root_rests = root < 0 || is_stationary(hinge_finder.body(root));
   if (root >= 0) tree.bodies.push_back(root);
   std::vector<char> used(edges.size(), 0);
   std::vector<int> reached = {root};
@@ -167,38 +174,38 @@ struct ChosenHinges {
   std::vector<Candidate> closing;  // requested hinges that close a loop
 };
 
-bool same_pair(const Candidate& c, const Candidate& d) {
+bool joins_same_bodies(const Candidate& c, const Candidate& d) {
   return (c.a == d.a && c.b == d.b) || (c.a == d.b && c.b == d.a);
 }
 
 // The requested hinges, or nearest neighbours in the file first, without loops. A loop is closed only on
 // request, since an axis found between its ends need not be a hinge: the far link of a parallelogram turns
 // about a line of its base that carries no hinge.
-ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& options,
+ChosenHinges chosen_hinges(const HingeFinder& hinge_finder, int bodies, const AxesOptions& options,
                     std::vector<std::string>& cannot_tell) {
   ChosenHinges found;
   std::vector<Candidate>& edges = found.edges;
   Sets sets(bodies);
   const auto take = [&](const Candidate& c) {
     if (!c.reason.empty()) return;
-    if (sets.unite(c.a, c.b)) {
+    if (sets.join(c.a, c.b)) {
       edges.push_back(c);
       return;
     }
-    const auto again = [&](const Candidate& d) { return same_pair(c, d); };
+    const auto again = [&](const Candidate& d) { return joins_same_bodies(c, d); };
     if (std::none_of(edges.begin(), edges.end(), again) &&
         std::none_of(found.closing.begin(), found.closing.end(), again))
       found.closing.push_back(c);
   };
   for (const auto& [a, b] : options.between) {
-    const Candidate c = finder.candidate(finder.index(a), finder.index(b));
+    const Candidate c = hinge_finder.examine_pair(hinge_finder.index(a), hinge_finder.index(b));
     require(c.b >= 0, "axis: found 'world' as the second body, expected it as the first.");
     if (!c.reason.empty()) cannot_tell.push_back(c.reason);
     take(c);
   }
   if (!options.between.empty()) return found;
   if (bodies == 1) {
-    const Candidate c = finder.candidate(-1, 0);
+    const Candidate c = hinge_finder.examine_pair(-1, 0);
     if (!c.reason.empty()) cannot_tell.push_back(c.reason);
     take(c);
     return found;
@@ -206,14 +213,14 @@ ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& 
   std::vector<Candidate> refused;
   for (int gap = 1; gap < bodies; ++gap) {
     for (int a = 0; a + gap < bodies; ++a) {
-      if (sets.are_united(a, a + gap)) continue;
-      const Candidate c = finder.candidate(a, a + gap);
+      if (sets.same(a, a + gap)) continue;
+      const Candidate c = hinge_finder.examine_pair(a, a + gap);
       take(c);
       if (!c.reason.empty() && gap == 1) refused.push_back(c);
     }
   }
   for (const Candidate& c : refused) {
-    if (!sets.are_united(c.a, c.b) &&
+    if (!sets.same(c.a, c.b) &&
         std::find(cannot_tell.begin(), cannot_tell.end(), c.reason) == cannot_tell.end())
       cannot_tell.push_back(c.reason);
   }
@@ -222,14 +229,14 @@ ChosenHinges chosen_hinges(const Finder& finder, int bodies, const AxesOptions& 
 
 }  // namespace
 
-std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const AxesOptions& options,
+std::vector<HingeTree> find_hinge_trees(const std::vector<RigidBody>& bodies, const AxesOptions& options,
                                    std::vector<std::string>& cannot_tell) {
-  const Finder finder(bodies, options);
+  const HingeFinder hinge_finder(bodies, options);
   const auto count = static_cast<int>(bodies.size());
-  const ChosenHinges found = chosen_hinges(finder, count, options, cannot_tell);
+  const ChosenHinges found = chosen_hinges(hinge_finder, count, options, cannot_tell);
   const std::vector<Candidate>& edges = found.edges;
   Sets sets(count);
-  for (const Candidate& e : edges) sets.unite(e.a, e.b);
+  for (const Candidate& e : edges) sets.join(e.a, e.b);
   std::vector<HingeTree> trees;
   std::vector<char> done(edges.size(), 0);
   for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -237,21 +244,21 @@ std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const A
     std::vector<Candidate> mine;
     std::optional<int> root;
     for (std::size_t other = k; other < edges.size(); ++other) {
-      if (!sets.are_united(edges[k].a, edges[other].a)) continue;
+      if (!sets.same(edges[k].a, edges[other].a)) continue;
       done[other] = 1;
       mine.push_back(edges[other]);
       for (const int body : {edges[other].a, edges[other].b}) {
         if (body < 0) root = body;
-        if (!root && is_stationary(finder.body(body))) root = body;
+        if (!root && is_stationary(hinge_finder.body(body))) root = body;
       }
     }
     if (!root) {
       root = mine.front().a;
       for (const Candidate& e : mine) root = std::min({*root, e.a, e.b});
     }
-    trees.push_back(tree_from(*root, mine, finder));
+    trees.push_back(tree_from(*root, mine, hinge_finder));
     for (const Candidate& c : found.closing) {
-      if (sets.are_united(c.a, edges[k].a)) trees.back().closing.push_back({c.a, c.b, c.axis});
+      if (sets.same(c.a, edges[k].a)) trees.back().closing.push_back({c.a, c.b, c.axis});
     }
   }
   return trees;

@@ -24,7 +24,7 @@ struct HingeTree {
 
 /// Finds bodies that turn about a common axis, joined to trees. Requested or neighbouring pairs
 /// without an axis are listed in `cannot_tell`.
-std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const AxesOptions& options,
+std::vector<HingeTree> find_hinge_trees(const std::vector<RigidBody>& bodies, const AxesOptions& options,
                                    std::vector<std::string>& cannot_tell);
 
 }  // namespace veridyn::internal

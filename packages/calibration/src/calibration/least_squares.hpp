@@ -38,10 +38,12 @@ class LeastSquares {
  public:
   enum class Scope { kShared, kLocal };
 
+  /// @returns the index of the block of unknowns, from 0.
   int add_unknown(const VectorXd& start, Scope scope = Scope::kShared);
+  /// @returns the index of the observation, from 0.
   int add(Observation observation);
 
-  /// Levenberg-Marquardt; stops when the cost decreases by less than 1e-12 of itself.
+  /// Levenberg-Marquardt from the present values, which become those of the minimum; stops when the cost decreases by less than 1e-12 of itself.
   Minimum minimise(int threads = 1, int iterations = 60);
 
   const VectorXd& value(int unknown) const { return unknowns_[at(unknown)].x; }
@@ -49,7 +51,7 @@ class LeastSquares {
   const std::vector<Observation>& observations() const { return observations_; }
   std::vector<Observation>& observations() { return observations_; }
 
-  /// The residual of one observation at the present values.
+  /// The residual of one observation at the present values, in standard deviations.
   VectorXd residual(const Observation& observation) const;
 
   /// Number of shared unknowns, and the index of a block among them.
@@ -71,6 +73,7 @@ class LeastSquares {
 /// densely, local ones block by block.
 class Information {
  public:
+  /// Linearises the problem at its present values.
   explicit Information(const LeastSquares& problem);
 
   /// J' J of the shared unknowns alone, the local ones eliminated.
@@ -81,6 +84,7 @@ class Information {
   /// @param local   derivatives by local unknown, (functions x its size); others are zero.
   MatrixXd covariance(const MatrixXd& shared, const std::map<int, MatrixXd>& local = {}) const;
 
+  /// Numbers of scalar residuals and unknowns of the active observations.
   int residuals() const { return residuals_; }
   int unknowns() const { return unknowns_; }
 

@@ -24,6 +24,7 @@ constexpr int kIterations = 12;
 constexpr double kHuber = 2.0;          // standard deviations of a frame's residual
 constexpr double kLeastNoise = 1e-9;    // [m], [rad] lower bound of the noise
 
+// Weighted fit of rcm and tip, written with its statistics to `out`.
 class PivotFit {
  public:
   PivotFit(const internal::Isometries& poses, RemoteCenter& out) : poses_(poses), out_(out) {}
@@ -33,14 +34,14 @@ class PivotFit {
     const std::size_t count = poses_.size();
     factors_.assign(count, 1.0);
     for (int k = 0; k < kIterations; ++k) {
-      solve_weighted();
-      measure_noise();
-      set_weights(k + 3 < kIterations ? 0.0 : outlier);
+      solve();
+      estimate_noise();
+      weigh(k + 3 < kIterations ? 0.0 : outlier);
       out_.outliers = static_cast<int>(std::count(out_.is_outlier.begin(), out_.is_outlier.end(), 1));
       if (static_cast<int>(count) - out_.outliers < fewest) return false;
     }
-    solve_weighted();
-    set_results();
+    solve();
+    compute_statistics();
     return true;
   }
 
@@ -52,6 +53,7 @@ class PivotFit {
     return J;
   }
 
+  // Inverse covariance of the residual of one pose.
   Matrix3d information(const Eigen::Isometry3d& T) const {
     const Vector3d t = out_.tip;
     Matrix3d C = (out_.position_noise * out_.position_noise) * Matrix3d::Identity();
@@ -60,7 +62,7 @@ class PivotFit {
     return T.linear() * C.inverse() * T.linear().transpose();
   }
 
-  void solve_weighted() {
+  void solve() {
     normal_.setZero();
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
     for (std::size_t k = 0; k < poses_.size(); ++k) {
@@ -77,7 +79,7 @@ class PivotFit {
   Vector3d residual(std::size_t k) const { return poses_[k] * out_.tip - out_.rcm; }
 
   // Along the tip only the position error counts; across it the orientation error too.
-  void measure_noise() {
+  void estimate_noise() {
     std::vector<double> along;
     std::vector<double> across;
     const double length = out_.tip.norm();
@@ -98,9 +100,8 @@ class PivotFit {
     weighted_ = true;
   }
 
-  // Sets the weights of the poses: Huber's weights, or, with a threshold `outlier` above zero [standard deviations],
-  // 1 for inliers and 0 for outliers.
-  void set_weights(double outlier) {
+  // Sets Huber's weights; with `outlier` > 0 standard deviations, marks outliers and weighs them by zero.
+  void weigh(double outlier) {
     out_.is_outlier.assign(poses_.size(), 0);
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       const Vector3d r = residual(k);
@@ -112,7 +113,8 @@ class PivotFit {
     }
   }
 
-  void set_results() {
+  // Sets points, rms, correlation and half widths of the result.
+  void compute_statistics() {
     std::vector<std::vector<double>> series(3);
     double chi2 = 0.0;
     Vector3d squares = Vector3d::Zero();
@@ -151,8 +153,9 @@ class PivotFit {
   bool weighted_ = false;
 };
 
-// Reason why the poses do not determine a centre, or empty.
-std::string unidentifiable_reason(const PoseCapture& poses, const RemoteCenterOptions& options,
+// Sets the swing and the condition of `out`; returns the reason why the poses do not determine a centre, or
+// empty.
+std::string check_motion(const PoseCapture& poses, const RemoteCenterOptions& options,
                     RemoteCenter& out) {
   if (!poses.fault.empty()) return poses.fault;
   if (poses.frames() < options.fewest_frames) {
@@ -189,11 +192,11 @@ RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCente
   out.body = poses.body;
   out.frames = poses.frames();
   out.poses = poses.poses;
-  out.reason = unidentifiable_reason(poses, options, out);
+  out.reason = check_motion(poses, options, out);
   if (!out.reason.empty()) return out;
   PivotFit fit(out.poses, out);
   if (fit.fit(options.outlier, options.fewest_frames)) {
-    out.reason = internal::contradiction(out.poses, {out.outliers, out.rms.norm(), 0.0});
+    out.reason = internal::contradiction_reason(out.poses, {out.outliers, out.rms.norm(), 0.0});
     if (!out.reason.empty())
       out.reason = "no point stays where it is: " + out.reason + "; the body may slide while it turns";
     else

@@ -44,14 +44,15 @@ class BodyFit {
  private:
   using Point = Eigen::Vector3d;
 
-  MatrixXd::ColXpr position_of_marker(Eigen::Index marker, Eigen::Index frame) {
+  // Reference to a marker's position [m] at one frame.
+  MatrixXd::ColXpr position(Eigen::Index marker, Eigen::Index frame) {
     MatrixXd& path =
         capture_.markers[body_.markers[marker]]
             .position;
     return path.col(frame);
   }
 
-  // Medians of the distances over the frames in which both markers are visible.
+  // Sets distances and noise from the frames that show both markers; false, and a fault: fewer than three do.
   bool estimate_distances() {
     const auto m = static_cast<Eigen::Index>(body_.markers.size());
     distances_ = MatrixXd::Zero(m, m);
@@ -60,14 +61,14 @@ class BodyFit {
       for (Eigen::Index b = 0; b < a; ++b) {
         std::vector<double> d;
         for (Eigen::Index k = 0; k < capture_.time.size(); ++k) {
-          const double one = (position_of_marker(a, k) - position_of_marker(b, k)).norm();
+          const double one = (position(a, k) - position(b, k)).norm();
           if (std::isfinite(one)) d.push_back(one);
         }
         if (d.size() < 3) {
           body_.fault = fmt::format(
               "markers '{}' and '{}' of body '{}' are seen together in {} frames, and three are "
               "needed",
-              marker_name(b), marker_name(a), body_.name, d.size());
+              name(b), name(a), body_.name, d.size());
           return false;
         }
         const double middle = median(d);
@@ -81,7 +82,7 @@ class BodyFit {
     return true;
   }
 
-  std::string marker_name(Eigen::Index marker) const {
+  std::string name(Eigen::Index marker) const {
     return capture_.markers[
                                 body_.markers[marker]]
         .name;
@@ -106,11 +107,11 @@ class BodyFit {
           body_.name, 1e3 * body_.breadth, 1e3 * body_.extent);
       return;
     }
-    if (m > 3) choose_hand();
+    if (m > 3) choose_mirror_image();
   }
 
   // Distances do not distinguish a shape from its mirror image, which the first frame does.
-  void choose_hand() {
+  void choose_mirror_image() {
     double error[2] = {0.0, 0.0};
     MatrixXd mirrored = body_.shape;
     mirrored.row(2) *= -1.0;
@@ -130,13 +131,12 @@ class BodyFit {
   MatrixXd positions(Eigen::Index frame) {
     const auto m = static_cast<Eigen::Index>(body_.markers.size());
     MatrixXd out(3, m);
-    for (Eigen::Index a = 0; a < m; ++a) out.col(a) = position_of_marker(a, frame);
+    for (Eigen::Index a = 0; a < m; ++a) out.col(a) = position(a, frame);
     return out;
   }
 
-  // Largest deviation of the distances after renaming the markers, in standard deviations.
-  double name_misfit(const MatrixXd& seen, const std::vector<int>& names,
-                const std::vector<int>& which) const {
+  // Largest deviation of the distances, in standard deviations, if marker which[k] is called names[k].
+  double name_misfit(const MatrixXd& seen, const std::vector<int>& names, const std::vector<int>& which) const {
     double worst = 0.0;
     for (std::size_t a = 0; a < which.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
@@ -156,14 +156,14 @@ class BodyFit {
       if (seen.col(a).allFinite()) which.push_back(a);
     }
     if (which.size() >= 2 && name_misfit(seen, which, which) > kFar) {
-      if (!restores_names(seen, which)) which = consistent_markers(seen, which);
+      if (!restore_swapped_names(seen, which)) which = consistent_markers(seen, which);
       for (int a = 0; a < seen.cols(); ++a) {
         const bool kept = std::find(which.begin(), which.end(), a) != which.end();
         if (!kept && seen.col(a).allFinite()) {
           ++body_.outliers;
           seen.col(a).setConstant(kNaN);
         }
-        position_of_marker(a, frame) = seen.col(a);
+        position(a, frame) = seen.col(a);
       }
     }
     if (which.size() < 3) return;
@@ -177,8 +177,8 @@ class BodyFit {
     body_.seen[frame] = 1;
   }
 
-  // True if another order of the names fits the distances; the columns are then reordered.
-  bool restores_names(MatrixXd& seen, const std::vector<int>& which) {
+  // True if another order of the names fits the distances; the columns of `seen` are then reordered.
+  bool restore_swapped_names(MatrixXd& seen, const std::vector<int>& which) {
     if (which.size() < 3 || which.size() > kMostPermuted) return false;
     std::vector<int> names = which;
     std::vector<int> best;
@@ -224,8 +224,7 @@ class BodyFit {
       body_.fault = fmt::format("body '{}' never shows three markers at once", body_.name);
       return;
     }
-    const Eigen::Matrix3d R =
-        body_.pose[first - body_.seen.begin()].linear();
+    const Eigen::Matrix3d R = body_.pose[first - body_.seen.begin()].linear();
     body_.shape = (R * body_.shape).eval();
     std::vector<double> left;
     double used = 0.0;
@@ -241,8 +240,7 @@ class BodyFit {
       used += 6.0;
     }
     const double share = 1.0 - used / static_cast<double>(left.size());
-    body_.noise =
-        std::max(kFewestNoise, robust_deviation(left) / std::sqrt(std::max(0.1, share)));
+    body_.noise = std::max(kFewestNoise, robust_deviation(left) / std::sqrt(std::max(0.1, share)));
   }
 
   MarkerCapture& capture_;

@@ -127,7 +127,7 @@ void centre(unsigned seeds) {
   distance.print();
 }
 
-void hand_eye(unsigned seeds) {
+void solve_hand_eye(unsigned seeds) {
   Tally shift{"hand-eye, translation", 1e3, "mm"};
   Tally turn{"hand-eye, rotation", kDegrees, "deg"};
   for (unsigned seed = 1; seed <= seeds; ++seed) {
@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
   veridyn::axes(seeds);
   veridyn::loops(std::min(seeds, 50U));
   veridyn::centre(seeds);
-  veridyn::hand_eye(seeds);
+  veridyn::solve_hand_eye(seeds);
   veridyn::constants(std::min(seeds, 50U));
   veridyn::print_speed();
   return 0;

@@ -69,7 +69,7 @@ TEST(Links, DerivativesOfTheChainMatchCentralDifferences) {
     }
     // The arm with these numbers written into it has the same poses.
     chain.set(x);
-    const Model applied = parameters.applied(x);
+    const Model applied = parameters.arm_with(x);
     Eigen::Isometry3d written;
     VectorXd q_true = q;
     for (int i = 0; i < arm.joints(); ++i)

@@ -231,7 +231,7 @@ TEST(ClosedForms, ShahAndParkAgreeOnConjugateMotions) {
     B.push_back(X.inverse() * A.back() * X);
   }
   const internal::HandAndWorld both = internal::hand_and_world(A, B);
-  const Isometry3d park = internal::hand_eye(A, B);
+  const Isometry3d park = internal::solve_hand_eye(A, B);
   EXPECT_TRUE(both.X.isApprox(X, 1e-9));
   EXPECT_TRUE(both.Y.isApprox(X, 1e-9));
   EXPECT_TRUE(park.isApprox(X, 1e-9));

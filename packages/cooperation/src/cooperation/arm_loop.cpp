@@ -9,7 +9,8 @@
 namespace veridyn {
 namespace {
 
-ImpedanceOptions options(const VectorXd& posture) {
+// Keeps the posture in the null space of the task.
+ImpedanceOptions posture_options(const VectorXd& posture) {
   ImpedanceOptions o;
   o.posture = posture;
   o.posture_p = kPostureStiffness;
@@ -55,10 +56,10 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       period_(1.0 / setup.control.rate),
       cycle_(setup.model, setup.tip, cycle_options(setup)),
       impedance_(setup.model, setup.tip,
-                 impedance_gains(setup.control), options(setup.start)),
+                 impedance_gains(setup.control), posture_options(setup.start)),
       position_loop_(setup.model, setup.tip, position_gains(setup.control),
-                     options(setup.start)),
-      yielding_loop_(setup.model, setup.tip, yielding_gains(), options(setup.start)),
+                     posture_options(setup.start)),
+      yielding_loop_(setup.model, setup.tip, yielding_gains(), posture_options(setup.start)),
       inverse_(setup.model, setup.tip, TaskRows::kPosition),
       measured_(setup.model.joints()),
       rest_(VectorXd::Zero(setup.start.size())),
@@ -101,6 +102,7 @@ void ArmLoop::hold_within(double bound, const Eigen::Vector3d& force) noexcept {
   frozen_at_ = position_ - relief_;
 }
 
+// The target in the arm's base; if frozen, the held position plus the relief.
 TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
   if (!frozen_) return in_base(target, setup_.p_world_base, setup_.R_world_base);
   TipTarget held;
@@ -122,8 +124,7 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   if (yielding_) {  // The reference is the force at the bound: the excess moves the tip.
     const double size = force.norm();
     wanted = TaskReference();
-    wanted.ddx.head<3>() =
-        wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
+    wanted.ddx.head<3>() = wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
     wanted.dx.head<3>() = setup_.R_world_base.transpose() * target.relief.velocity;
     wanted.ddx.head<3>() += setup_.R_world_base.transpose() * target.relief.acceleration;
   }
@@ -135,6 +136,7 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   return cycle_.send();
 }
 
+// Sets the velocity and the error of the joints from which friction is compensated.
 void ArmLoop::compensate_friction(const TaskReference& wanted) noexcept {
   if (cycle_.friction() == nullptr) return;
   const TipKinematics& tip = cycle_.state().tip();

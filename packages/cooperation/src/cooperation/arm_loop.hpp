@@ -18,7 +18,7 @@ struct ArmLoopSetup {
   Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};
   ArmControl kind = ArmControl::kImpedance;
   ScenarioControl control{};
-  VectorXd encoder_step{};  ///< (n)
+  VectorXd encoder_step{};  ///< (n) [rad], [m]; 0: exact
   VectorXd start{};         ///< (n) joints, which is also the posture
 };
 
@@ -33,10 +33,11 @@ class ArmLoop {
   void measure(const VectorXd& q) noexcept;
 
   const Eigen::Vector3d& position() const { return position_; }  ///< Position of the tip in the world
-  const Eigen::Vector3d& velocity() const { return velocity_; }
+  const Eigen::Vector3d& velocity() const { return velocity_; }  ///< [m/s] likewise
   /// Axes of the tip in the world.
   Eigen::Matrix3d rotation() const { return setup_.R_world_base * cycle_.state().tip().rotation(); }
 
+  /// Torques (n) [N m], [N] for the next period.
   /// @param force  of the tip on the object as measured, in the world [N].
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
 

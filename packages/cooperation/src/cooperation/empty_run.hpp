@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// A run with memory for `rows` rows.
+/// A run with its names and `rows` rows of zeros.
 ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen::Index rows);
 
 /// Truncates a run to its first rows.

@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-/// Stops a joint that has reached the end of its range, without rebound.
+/// Puts joints beyond the end of their range back to it, at rest: a stop without rebound.
 void stop_at_ends(World& world, const Model& model, int arm);
 
 }  // namespace veridyn

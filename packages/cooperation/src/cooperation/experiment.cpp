@@ -16,6 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+// (n) Encoder step of every joint [rad], [m] in a preset of sensor_noise().
 VectorXd encoder_steps(const Model& model, const std::string& preset) {
   const SensorNoise noise = sensor_noise(preset);
   VectorXd out(model.joints());
@@ -26,8 +27,8 @@ VectorXd encoder_steps(const Model& model, const std::string& preset) {
   return out;
 }
 
-// Unit vector along a member, zero without a length.
-Vector3d along(const Vector3d& line) {
+// Unit vector along a member; zero if its length is zero.
+Vector3d unit_vector(const Vector3d& line) {
   const double length = line.norm();
   return length > 0.0 ? Vector3d(line / length) : Vector3d::Zero();
 }
@@ -91,8 +92,7 @@ void Experiment::add_members() {
     member.pulls_only = m.pulls_only;
     member.rest_length = (starts_[to] - starts_[from]).norm() + m.slack;
     objects_.members.push_back(member);
-    sensors_.emplace_back(sensor_options(scenario_, static_cast<int>(k)),
-                          1.0 / scenario_.control.rate);
+    sensors_.emplace_back(sensor_options(scenario_, static_cast<int>(k)), 1.0 / scenario_.control.rate);
   }
   samples_.resize(sensors_.size());
   filtered_.assign(sensors_.size(), 0.0);
@@ -123,8 +123,7 @@ void Experiment::add_bodies() {
   for (const ScenarioBody& body : scenario_.bodies) {
     const Model& first = world_arms_.front().model;
     const Vector3d gravity = base_rotation(scenario_.arms.front().turn) * first.gravity();
-    held_objects_.emplace_back(body, input_->position, gravity,
-                               scenario_.control.stiffness.mean());
+    held_objects_.emplace_back(body, input_->position, gravity, scenario_.control.stiffness.mean());
     objects_.bodies.push_back(HeldObject::in_world(body, starts_, tips_));
   }
 }
@@ -151,7 +150,7 @@ void Experiment::make_controller() {
   }
 }
 
-void Experiment::begin(const ScenarioPhase& phase) {
+void Experiment::begin_phase(const ScenarioPhase& phase) {
   for (const ScenarioCommand& c : phase.commands) execute(c);
 }
 
@@ -167,6 +166,7 @@ bool Experiment::execute(const ScenarioCommand& c) {
   return apply_command(c, *control_);
 }
 
+// Makes arms limp or frozen whose fault has begun.
 void Experiment::apply_faults() {
   for (const ScenarioFault& fault : scenario_.faults) {
     if (!fault.arm || world_->time() + 1e-9 < fault.at) continue;
@@ -178,6 +178,7 @@ void Experiment::apply_faults() {
   }
 }
 
+// Measures the arms, and samples, filters and stores the forces of all members and walls.
 void Experiment::read_sensors() {
   const double now = world_->time();
   std::fill(forces_.begin(), forces_.end(), Vector3d::Zero());
@@ -197,7 +198,7 @@ void Experiment::read_sensors() {
     const ScenarioMember& m = scenario_.members[k];
     const auto from = static_cast<size_t>(m.from);
     const auto to = static_cast<size_t>(m.to);
-    const Vector3d u = along(input_->position[to] - input_->position[from]);
+    const Vector3d u = unit_vector(input_->position[to] - input_->position[from]);
     forces_[from] -= filtered_[k] * u;
     forces_[to] += filtered_[k] * u;
   }

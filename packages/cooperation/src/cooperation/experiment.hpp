@@ -17,10 +17,11 @@ class Experiment {
  public:
   Experiment(const Scenario& scenario, const std::string& engine);
 
-  void begin(const ScenarioPhase& phase);
+  /// Executes the commands of a phase.
+  void begin_phase(const ScenarioPhase& phase);
   /// Executes a command; false if the controller refuses it.
   bool execute(const ScenarioCommand& c);
-  /// Advances by one control period. False if the engine failed.
+  /// Advances by one control period. False if the engine failed or the simulation diverged.
   bool step();
   /// Stores the instant before the step as row k of the run.
   void record(ScenarioRun& run, Eigen::Index k) const;

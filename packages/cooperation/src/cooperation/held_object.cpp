@@ -5,7 +5,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-Vector3d mean_of_grasps(const ScenarioBody& body, const std::vector<Vector3d>& tips) {
+Vector3d mean_grasp_point(const ScenarioBody& body, const std::vector<Vector3d>& tips) {
   Vector3d sum = Vector3d::Zero();
   for (const ScenarioBody::Grasp& g : body.grasps) sum += tips[g.arm];
   return sum / static_cast<double>(body.grasps.size());
@@ -19,7 +19,7 @@ HeldObject::HeldObject(const ScenarioBody& body, const std::vector<Vector3d>& ti
       hand_stiffness_(hand_stiffness),
       positions_(body.grasps.size(), Vector3d::Zero()),
       velocities_(positions_) {
-  const Vector3d centre = mean_of_grasps(body, tips);
+  const Vector3d centre = mean_grasp_point(body, tips);
   wanted_.position = centre;
   if (body.impedance_stiffness <= 0.0) return;
   ObjectImpedanceOptions o;
@@ -44,7 +44,7 @@ HeldBody HeldObject::in_world(const ScenarioBody& body, const std::vector<Vector
   HeldBody out;
   out.mass = body.mass;
   out.inertia = body.inertia;
-  out.position = mean_of_grasps(body, tips);
+  out.position = mean_grasp_point(body, tips);
   for (const ScenarioBody::Grasp& g : body.grasps) {
     HeldBody::Grasp grasp;
     grasp.held_by = held_by[g.arm];

@@ -12,7 +12,8 @@ namespace veridyn {
 /// A body of a scenario that arms hold, optionally with its own impedance.
 class HeldObject {
  public:
-  /// @param tips  [m] initial positions of all arms' tips, as their controllers measure them.
+  /// @param tips  [m] initial positions of all arms' tips, as their controllers measure them. @param gravity
+  /// [m/s^2] in the world. @param hand_stiffness  [N/m] of the arms' impedances.
   HeldObject(const ScenarioBody& body, const std::vector<Eigen::Vector3d>& tips,
              const Eigen::Vector3d& gravity, double hand_stiffness);
 

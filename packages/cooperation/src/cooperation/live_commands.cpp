@@ -18,6 +18,7 @@
 namespace veridyn {
 namespace {
 
+// The words of a line, in order; a missing or malformed one throws InvalidInput with `what` was expected.
 class Words {
  public:
   explicit Words(const std::string& line) : in_(line) {}
@@ -53,6 +54,7 @@ class Words {
   std::istringstream in_;
 };
 
+// Index of the arm or member with that name; throws InvalidInput with the known names.
 template <typename Things>
 int index_of(const std::string& name, const Things& things, const char* what) {
   std::vector<std::string> names;
@@ -64,7 +66,7 @@ int index_of(const std::string& name, const Things& things, const char* what) {
                           ", expected one of: ", listed(names), "."));
 }
 
-ScenarioCommand command(ScenarioCommand::Kind kind) {
+ScenarioCommand empty_command(ScenarioCommand::Kind kind) {
   ScenarioCommand out;
   out.kind = kind;
   return out;
@@ -72,8 +74,8 @@ ScenarioCommand command(ScenarioCommand::Kind kind) {
 
 constexpr std::size_t kLongestLine = 1024;
 
-// A line that is too long is not a command, and neither is its beginning.
-std::string too_long(const std::string& line) { return line.substr(0, 40) + " ..."; }
+// The beginning of a line that is too long, followed by dots, so that it is no command.
+std::string shortened_line(const std::string& line) { return line.substr(0, 40) + " ..."; }
 
 class StandardInput final : public LineSource {
  public:
@@ -87,7 +89,7 @@ class StandardInput final : public LineSource {
         continue;
       }
       if (held_.size() > kLongestLine) {  // not a command: its first bytes are reported, and the rest is skipped
-        line = too_long(held_);
+        line = shortened_line(held_);
         held_.clear();
         if (!std::exchange(skips_, true)) return true;
       }
@@ -127,7 +129,7 @@ class UdpLines final : public LineSource {
     UdpPort::Datagram got;
     if (!port_.receive(bytes, sizeof(bytes), got)) return false;
     line.assign(bytes, got.size);
-    if (line.size() > kLongestLine) line = too_long(line);
+    if (line.size() > kLongestLine) line = shortened_line(line);
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
     return true;
   }
@@ -148,31 +150,31 @@ LiveCommand parse_live_command(const std::string& line, const Scenario& scenario
   if (!words.word(what) || what[0] == '#') return LiveAlive{};
   LiveCommand out = LiveAlive{};
   if (what == "move" || what == "turn") {
-    ScenarioCommand c = command(what == "move" ? Kind::kMove : Kind::kTurn);
+    ScenarioCommand c = empty_command(what == "move" ? Kind::kMove : Kind::kTurn);
     c.way = words.vector();
     c.over = words.seconds();
     out = c;
   } else if (what == "jog") {
     out = LiveJog{words.vector()};
   } else if (what == "force") {
-    ScenarioCommand c = command(Kind::kForce);
+    ScenarioCommand c = empty_command(Kind::kForce);
     c.member = index_of(words.name("a member"), scenario.members, "member");
     c.amount = words.number("newtons");
     c.over = words.seconds();
     out = c;
   } else if (what == "tighten") {
-    ScenarioCommand c = command(Kind::kTighten);
+    ScenarioCommand c = empty_command(Kind::kTighten);
     c.amount = words.number("metres");
     c.over = words.seconds();
     out = c;
   } else if (what == "arm") {
-    ScenarioCommand c = command(Kind::kMoveArm);
+    ScenarioCommand c = empty_command(Kind::kMoveArm);
     c.arm = index_of(words.name("an arm"), scenario.arms, "arm");
     c.way = words.vector();
     c.over = words.seconds();
     out = c;
   } else if (what == "release" || what == "take") {
-    ScenarioCommand c = command(what == "take" ? Kind::kTake : Kind::kRelease);
+    ScenarioCommand c = empty_command(what == "take" ? Kind::kTake : Kind::kRelease);
     c.member = index_of(words.name("a member"), scenario.members, "member");
     out = c;
   } else if (what == "stop") {
@@ -191,8 +193,7 @@ LiveCommand parse_live_command(const std::string& line, const Scenario& scenario
 
 std::unique_ptr<LineSource> open_line_source(const std::string& name) {
   if (name == "-") return std::make_unique<StandardInput>();
-  require(name.rfind("udp:", 0) == 0, "found the line '", name,
-          "', expected - or udp:[ADDRESS:]PORT.");
+  require(name.rfind("udp:", 0) == 0, "found the line '", name, "', expected - or udp:[ADDRESS:]PORT.");
   return std::make_unique<UdpLines>(name.substr(4));
 }
 

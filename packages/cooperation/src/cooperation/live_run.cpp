@@ -22,7 +22,8 @@ using Eigen::Vector3d;
 constexpr double kJogAhead = 0.1;    // [s] planned in advance by a jog
 constexpr double kStopped = 0.5;     // [s] after the loss of the connection, when all motion must have ended
 
-MotionPlan plan_of(const Scenario& scenario) {
+// Plan with the models of the controllers and the torque limits of the robot files.
+MotionPlan make_motion_plan(const Scenario& scenario) {
   std::vector<PlannedArm> arms;
   for (std::size_t k = 0; k < scenario.arms.size(); ++k) {
     const ScenarioModels models = scenario_models(scenario, k);
@@ -34,16 +35,16 @@ MotionPlan plan_of(const Scenario& scenario) {
   return {scenario, std::move(arms)};
 }
 
-class Live {
+class LiveLoop {
  public:
-  Live(const Scenario& scenario, LineSource& lines, const LiveOptions& options,
+  LiveLoop(const Scenario& scenario, LineSource& lines, const LiveOptions& options,
        const LiveReport& tell)
       : scenario_(scenario),
         lines_(lines),
         options_(options),
         callbacks_(tell),
         experiment_(scenario, options.engine),
-        plan_(plan_of(scenario)),
+        plan_(make_motion_plan(scenario)),
         period_(1.0 / scenario.control.rate) {}
 
   LiveRun run() {
@@ -86,7 +87,7 @@ class Live {
       began_ = true;
       try {
         const LiveCommand command = parse_live_command(line, scenario_);
-        const std::string why = objection(command);
+        const std::string why = refusal_reason(command);
         if (const std::optional<int> dropped = lines_.stopped(out_.time)) {  // during the planning of this line
           stop(*dropped + 1);
           continue;
@@ -109,8 +110,9 @@ class Live {
     if (dropped > 0 && callbacks_.refused) callbacks_.refused(dropped_lines_message(dropped));
   }
 
-  // Reason for which a command cannot be executed; empty: none. Such a command is not begun, as on real boards.
-  std::string objection(const LiveCommand& command) {
+  // Reason for which a command cannot be executed, empty if it can. A refused command is not begun, as on
+  // boards.
+  std::string refusal_reason(const LiveCommand& command) {
     if (experiment_.controller().state() != CooperativeState::kTracking) return "";
     const auto* jog = std::get_if<LiveJog>(&command);
     const auto* one = std::get_if<ScenarioCommand>(&command);
@@ -150,7 +152,7 @@ class Live {
   void jog() {
     if (out_.time < next_jog_) return;
     next_jog_ = out_.time + 0.5 * kJogAhead;
-    if (const std::string why = objection(LiveJog{velocity_}); !why.empty()) {
+    if (const std::string why = refusal_reason(LiveJog{velocity_}); !why.empty()) {
       jogs_ = false;
       experiment_.stop();
       if (callbacks_.refused) callbacks_.refused(text("the jog ends: ", why, "."));
@@ -185,8 +187,7 @@ class Live {
       for (int k = 0; k < experiment_.arms(); ++k) {
         const Vector3d tip = experiment_.tip(k);
         if (held_.size() <= static_cast<std::size_t>(k)) held_.push_back(tip);
-        out_.moved_after_loss = std::max(out_.moved_after_loss,
-                                         (tip - held_[k]).norm());
+        out_.moved_after_loss = std::max(out_.moved_after_loss, (tip - held_[k]).norm());
       }
     }
     if (out_.time >= told_) {
@@ -210,8 +211,7 @@ class Live {
                                    describe(experiment_.controller().state()));
     for (int k = 0; k < experiment_.arms(); ++k) {
       const Vector3d tip = experiment_.tip(k);
-      line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name,
-                          tip.x(), tip.y(), tip.z());
+      line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name, tip.x(), tip.y(), tip.z());
     }
     for (std::size_t k = 0; k < scenario_.members.size(); ++k)
       line += fmt::format(" {}={:.3f}", scenario_.members[k].name,
@@ -241,7 +241,7 @@ LiveRun run_live(const Scenario& scenario, LineSource& lines, const LiveOptions&
   require(options.pace >= 0.0 && options.silence > 0.0 && options.hold >= 0.0 &&
               options.longest > 0.0 && options.tell > 0.0,
           "live run: found a time or a pace below zero.");
-  return Live(scenario, lines, options, tell).run();
+  return LiveLoop(scenario, lines, options, tell).run();
 }
 
 std::string LiveRun::report() const {

@@ -25,11 +25,12 @@ InverseKinematicsOptions reach_options() {
   return o;
 }
 
-Vector3d line_of(const CooperativeInput& seen, const ScenarioMember& m) {
+// [m] From the start to the end of a member.
+Vector3d member_vector(const CooperativeInput& seen, const ScenarioMember& m) {
   return seen.position[m.to] - seen.position[m.from];
 }
 
-std::string place(const Vector3d& x) { return text("(", x.x(), ", ", x.y(), ", ", x.z(), ") m"); }
+std::string point_text(const Vector3d& x) { return text("(", x.x(), ", ", x.y(), ", ", x.z(), ") m"); }
 
 }  // namespace
 
@@ -47,8 +48,7 @@ MotionPlan::MotionPlan(const Scenario& scenario, std::vector<PlannedArm> arms)
   for (const ScenarioWall& wall : scenario.walls) {
     Arm& arm = arms_[wall.arm];
     arm.state.update(scenario.arms[wall.arm].start, arm.none);
-    walls_.push_back(arm.known.p_world_base +
-                     arm.known.R_world_base * arm.state.tip().position() + wall.point);
+    walls_.push_back(arm.known.p_world_base + arm.known.R_world_base * arm.state.tip().position() + wall.point);
   }
 }
 
@@ -62,8 +62,7 @@ MotionPlan::State MotionPlan::initial_state(const std::vector<VectorXd>& q) {
   }
   CooperativeInput seen(static_cast<int>(tips.size()), static_cast<int>(scenario_.members.size()));
   seen.position = tips;
-  State out =
-      state_during_run(CooperativeController(cooperative_options(scenario_, bases), tips), seen, q);
+  State out = state_during_run(CooperativeController(cooperative_options(scenario_, bases), tips), seen, q);
   for (size_t k = 0; k < out.length.size(); ++k) out.length[k] += scenario_.members[k].slack;
   return out;
 }
@@ -75,14 +74,13 @@ MotionPlan::State MotionPlan::state_during_run(const CooperativeController& cont
   for (size_t k = 0; k < scenario_.members.size(); ++k) {
     const ScenarioMember& m = scenario_.members[k];
     const double force = std::isfinite(seen.force[k].force) ? seen.force[k].force : 0.0;
-    out.length.push_back(line_of(seen, m).norm() - force / m.stiffness);
+    out.length.push_back(member_vector(seen, m).norm() - force / m.stiffness);
     out.held.push_back(1);
   }
   return out;
 }
 
-std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& commands,
-                             double seconds) {
+std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& commands, double seconds) {
   for (const ScenarioCommand& c : commands) {
     if (c.kind == ScenarioCommand::Kind::kForce &&
         !(std::abs(c.amount) <= scenario_.control.largest_force))
@@ -92,7 +90,7 @@ std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& c
     if (c.kind == ScenarioCommand::Kind::kRelease) state.held[k] = 0;
     if (c.kind == ScenarioCommand::Kind::kTake) {
       state.held[k] = 1;
-      state.length[k] = line_of(state.seen, scenario_.members[k]).norm();
+      state.length[k] = member_vector(state.seen, scenario_.members[k]).norm();
     }
     if (!apply_command(c, state.control))
       return text("the controller ", describe(state.control.state()),
@@ -118,13 +116,13 @@ std::string MotionPlan::jog(State state, const Vector3d& velocity, double second
   return advance(state, kSettled);
 }
 
-// Computes the forces of members and walls at the present positions of the tips.
-void MotionPlan::pull(State& state) {
+// Sets the forces of members and walls at the present positions of the tips.
+void MotionPlan::compute_forces(State& state) {
   for (Tip& tip : tips_) tip.force.setZero();
   for (size_t k = 0; k < scenario_.members.size(); ++k) {
     const ScenarioMember& m = scenario_.members[k];
     const auto from = static_cast<size_t>(m.from), to = static_cast<size_t>(m.to);
-    const Vector3d line = line_of(state.seen, m);
+    const Vector3d line = member_vector(state.seen, m);
     const double length = line.norm();
     const Vector3d u = length > 0.0 ? Vector3d(line / length) : Vector3d::Zero();
     const double rate = u.dot(state.seen.velocity[to] - state.seen.velocity[from]);
@@ -151,30 +149,29 @@ void MotionPlan::pull(State& state) {
 }
 
 // Advances tips by one period, exactly following their laws.
-void MotionPlan::move(State& state, const std::vector<TipTarget>& targets) {
+void MotionPlan::advance_tips(State& state, const std::vector<TipTarget>& targets) {
   const double dt = 1.0 / scenario_.control.rate;
   for (size_t k = 0; k < arms_.size(); ++k) {
     const bool gives = scenario_.arms[k].control == ArmControl::kImpedance;
-    const ImpedanceGains g =
-        gives ? impedance_gains(scenario_.control) : position_gains(scenario_.control);
+    const ImpedanceGains g = gives ? impedance_gains(scenario_.control) : position_gains(scenario_.control);
     const Eigen::Matrix3d& R = arms_[k].known.R_world_base;
     const Vector3d e = R.transpose() * (targets[k].position - state.seen.position[k]);
     const Vector3d de = R.transpose() * (targets[k].velocity - state.seen.velocity[k]);
     Vector3d push = g.stiffness.head<3>().cwiseProduct(e) + g.damping.head<3>().cwiseProduct(de);
     if (gives) push -= R.transpose() * tips_[k].force;
-    tips_[k].acceleration =
-        targets[k].acceleration + R * push.cwiseQuotient(g.mass.head<3>());
+    tips_[k].acceleration = targets[k].acceleration + R * push.cwiseQuotient(g.mass.head<3>());
     state.seen.velocity[k] += dt * tips_[k].acceleration;
     state.seen.position[k] += dt * state.seen.velocity[k];
   }
 }
 
+// Advances the plan by a time [s]; returns the reason for which an arm or the controller fails, or empty.
 std::string MotionPlan::advance(State& state, double seconds) {
   const double rate = scenario_.control.rate;
   const long cycles = std::lround(seconds * rate);
   const long every = std::max(1L, std::lround(kLookEvery * rate));
   for (long k = 0; k < cycles; ++k, state.time += 1.0 / rate) {
-    pull(state);
+    compute_forces(state);
     const std::vector<TipTarget>& targets = state.control.update(state.seen);
     if (state.control.state() != CooperativeState::kTracking) {
       std::string forces;
@@ -183,16 +180,17 @@ std::string MotionPlan::advance(State& state, double seconds) {
                        scenario_.members[m].name);
       return text("at ", state.time, " s the controller ", describe(state.control.state()), forces);
     }
-    move(state, targets);
+    advance_tips(state, targets);
     for (size_t i = 0; k % every == 0 && i < arms_.size(); ++i) {
-      const std::string why = objection(state, i);
+      const std::string why = joint_violation(state, i);
       if (!why.empty()) return text("at ", state.time, " s arm ", arms_[i].name, " ", why);
     }
   }
   return "";
 }
 
-std::string MotionPlan::objection(State& state, std::size_t k) {
+// Reason for which arm k cannot reach its tip's position, empty if it can; updates its joints.
+std::string MotionPlan::joint_violation(State& state, std::size_t k) {
   Arm& arm = arms_[k];
   VectorXd& q = state.q[k];
   const Eigen::Matrix3d to_base = arm.known.R_world_base.transpose();
@@ -202,7 +200,7 @@ std::string MotionPlan::objection(State& state, std::size_t k) {
   arm.inverse.solve(at, Eigen::Matrix3d::Identity(), q);
   const double short_by = arm.inverse.position_error();
   if (!(short_by <= kReach))
-    return text("cannot come to ", place(x), ": it ends ", 1e3 * short_by,
+    return text("cannot come to ", point_text(x), ": it ends ", 1e3 * short_by,
                 " mm short of it, within the limits of its joints");
   Vector6d a = Vector6d::Zero();
   arm.state.update(q, arm.none);
@@ -226,17 +224,17 @@ std::string MotionPlan::objection(State& state, std::size_t k) {
     const char* unit = c.prismatic ? "m" : "rad";
     if (!(std::abs(arm.dq[i]) <= kSpeedShare * c.limits.velocity))
       return text("would move joint ", c.name, " with ", std::abs(arm.dq[i]), " ", unit,
-                  "/s, expected at most ", kSpeedShare * c.limits.velocity, ", its tip at ", place(x));
+                  "/s, expected at most ", kSpeedShare * c.limits.velocity, ", its tip at ", point_text(x));
     const double room = kRoomLeft * (c.limits.upper - c.limits.lower);
     if (std::isfinite(room) && leaves_range(q[i], arm.dq[i],
                                             {c.limits.lower + room, c.limits.upper - room}, braking))
       return text("would take joint ", c.name, " to ", q[i], " ", unit, " with ", arm.dq[i], " ", unit,
                   "/s, expected ", c.limits.lower, " to ", c.limits.upper,
-                  " with room to stop, its tip at ", place(x));
+                  " with room to stop, its tip at ", point_text(x));
     if (!(std::abs(arm.tau[i]) <= arm.known.torque[i]))
       return text("would need ", std::abs(arm.tau[i]), c.prismatic ? " N" : " N m", " at joint ", c.name,
                   ", expected at most ", arm.known.torque[i], " (acceleration ", arm.ddq[i], " ", unit,
-                  "/s^2), its tip at ", place(x));
+                  "/s^2), its tip at ", point_text(x));
   }
   return "";
 }

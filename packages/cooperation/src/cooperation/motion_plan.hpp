@@ -20,7 +20,7 @@ struct PlannedArm {
 };
 
 /// Executes commands of a scenario with the same controller and ideal arms: tips follow as a double
-/// integrator (position loops) or as their impedance, members pull according to their stiffness. During the
+/// integrator (position loops) or as their impedance, members compute_forces according to their stiffness. During the
 /// motion every arm must reach its tip positions within its joints' limits, the braking distance included,
 /// within kSpeedShare of their velocities, and within its motors' torque by inverse dynamics; and the
 /// controller must not stop. One object serves one thread.
@@ -40,7 +40,7 @@ class MotionPlan {
   };
   /// Initial state at these joints, without commands.
   State initial_state(const std::vector<VectorXd>& q);
-  /// State in the middle of a run.
+  /// State in the middle of a run, with the measured joints q, (n) of each arm.
   State state_during_run(const CooperativeController& control, const CooperativeInput& seen,
                   const std::vector<VectorXd>& q) const;
 
@@ -52,7 +52,7 @@ class MotionPlan {
   /// than kLongest is planned with that duration.
   std::string check_command(State state, ScenarioCommand command);
 
-  /// The same for a velocity of the object [m/s] that lasts for a time and is then stopped.
+  /// The same for a velocity of the object [m/s] that lasts for `seconds` and is then stopped.
   std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);
 
   static constexpr double kSpeedShare = 0.95;  ///< share of a joint's velocity limit that a plan may use
@@ -73,9 +73,9 @@ class MotionPlan {
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()}, force{Eigen::Vector3d::Zero()};
   };
   std::string advance(State& state, double seconds);
-  void pull(State& state);
-  void move(State& state, const std::vector<TipTarget>& targets);
-  std::string objection(State& state, std::size_t k);
+  void compute_forces(State& state);
+  void advance_tips(State& state, const std::vector<TipTarget>& targets);
+  std::string joint_violation(State& state, std::size_t k);
 
   Scenario scenario_;
   std::vector<Arm> arms_;

@@ -9,13 +9,14 @@
 namespace veridyn {
 namespace {
 
-// Seconds after which all commands of the phase have ended.
+// [s] Time since the begin of the phase at which all its commands have ended.
 double commands_end(const ScenarioPhase& phase) {
   double end = 0.0;
   for (const ScenarioCommand& c : phase.commands) end = std::max(end, c.over);
   return end;
 }
 
+// [J] Energy that the force error of the rows [first, end) generates; NaN if the rate is unknown.
 double generated(const MemberTrace& m, Eigen::Index first, Eigen::Index end, double dt) {
   if (!m.rate.segment(first, end - first).allFinite())
     return std::numeric_limits<double>::quiet_NaN();
@@ -25,7 +26,8 @@ double generated(const MemberTrace& m, Eigen::Index first, Eigen::Index end, dou
   return monitor.generated();
 }
 
-MemberFigures figures_of(const MemberTrace& m, Eigen::Index first, Eigen::Index end,
+// Figures of the rows [first, end); those after `settled` are without commands.
+MemberFigures member_figures(const MemberTrace& m, Eigen::Index first, Eigen::Index end,
                          Eigen::Index settled, double dt) {
   MemberFigures f;
   const Eigen::Index rows = end - first;
@@ -51,7 +53,7 @@ MemberFigures figures_of(const MemberTrace& m, Eigen::Index first, Eigen::Index 
   return f;
 }
 
-// NaN if no member is tracked: no bound is satisfied then.
+// Largest figure of the members tracked throughout; NaN if there are none: no bound is satisfied then.
 double worst_of_tracked(const std::vector<MemberFigures>& members, double MemberFigures::*figure) {
   double worst = std::numeric_limits<double>::quiet_NaN();
   for (const MemberFigures& m : members) {
@@ -76,8 +78,7 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
       end,
       first + static_cast<Eigen::Index>(std::lround(commands_end(phase) * scenario.control.rate)));
   for (size_t k = 0; k < run.member.size(); ++k) {
-    out.members.push_back(
-        figures_of(run.member[k], first, end, settled, 1.0 / scenario.control.rate));
+    out.members.push_back(member_figures(run.member[k], first, end, settled, 1.0 / scenario.control.rate));
     out.members.back().member = run.members[k];
   }
   const ArmTrace& master = run.arm[scenario.master];

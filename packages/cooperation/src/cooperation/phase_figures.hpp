@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// Figures of the rows [first, end) of a run.
+/// Figures of a phase from the rows [first, end) of a run.
 PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
                            const ScenarioRun& run, Eigen::Index first, Eigen::Index end);
 

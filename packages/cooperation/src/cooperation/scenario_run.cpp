@@ -14,7 +14,7 @@
 namespace veridyn {
 namespace {
 
-Eigen::Index rows_of(const Scenario& scenario, double seconds) {
+Eigen::Index row_count(const Scenario& scenario, double seconds) {
   return static_cast<Eigen::Index>(std::lround(seconds * scenario.control.rate));
 }
 
@@ -69,15 +69,15 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
   const auto begun = std::chrono::steady_clock::now();
   Experiment experiment(scenario, engine);
   Eigen::Index rows = 0;
-  for (const ScenarioPhase& phase : scenario.phases) rows += rows_of(scenario, phase.duration);
+  for (const ScenarioPhase& phase : scenario.phases) rows += row_count(scenario, phase.duration);
   ScenarioRun run = empty_run(scenario, engine, rows);
   run.left_out = experiment.left_out();
   run.asked_largest_force = scenario.asked_largest_force;
   Eigen::Index k = 0;
   for (const ScenarioPhase& phase : scenario.phases) {
-    experiment.begin(phase);
+    experiment.begin_phase(phase);
     const Eigen::Index first = k;
-    const Eigen::Index end = k + rows_of(scenario, phase.duration);
+    const Eigen::Index end = k + row_count(scenario, phase.duration);
     for (; k < end; ++k) {
       if (!experiment.step()) {
         run.status = experiment.status();
@@ -112,8 +112,7 @@ bool ScenarioRun::met() const {
 
 std::string ScenarioRun::report() const {
   const double end = time.size() > 0 ? time[time.size() - 1] : 0.0;
-  std::string out = fmt::format("{}: {} arm{}, {:.4g} s ", name, arms.size(),
-                                arms.size() == 1 ? "" : "s", end);
+  std::string out = fmt::format("{}: {} arm{}, {:.4g} s ", name, arms.size(), arms.size() == 1 ? "" : "s", end);
   out += engine == "boards" ? "on boards.\n"
                             : fmt::format("simulated in {:.2g} s by {}.\n", seconds, engine);
   out +=
@@ -136,8 +135,7 @@ std::string ScenarioRun::report() const {
         "from its least to its largest there; made: energy that the loop gave the object at rest.\n";
   for (const PhaseFigures& p : phases) {
     if (p.cut_short) {
-      out += fmt::format("{}: cut short, {:.4g} s of {:.4g} s: NOT met\n", p.phase, p.to - p.from,
-                         p.duration);
+      out += fmt::format("{}: cut short, {:.4g} s of {:.4g} s: NOT met\n", p.phase, p.to - p.from, p.duration);
       continue;
     }
     const bool asked = p.asked_force_error > 0.0 || p.asked_steady_error > 0.0;

@@ -17,6 +17,7 @@ std::vector<double> values_or(const std::vector<double>& values, double own) {
   return values.empty() ? std::vector<double>{own} : values;
 }
 
+// The scenario with the stiffness, delay and rate of a point, and tuned laws recomputed.
 Scenario scenario_at(Scenario scenario, const SweepPoint& point) {
   for (ScenarioMember& member : scenario.members) {
     member.stiffness = member.law.stiffness = point.stiffness;
@@ -27,6 +28,7 @@ Scenario scenario_at(Scenario scenario, const SweepPoint& point) {
   return scenario;
 }
 
+// Sets the results of a point from its run.
 void evaluate_run(const ScenarioRun& run, double stable_error, SweepPoint& point) {
   bool tracked = false, told = true;
   for (const PhaseFigures& p : run.phases) {

@@ -16,6 +16,7 @@ constexpr double kServoSpeed = 0.8;      // largest share of the velocity limits
 constexpr double kStop = 0.1;            // [s] duration of the braking of a move
 constexpr double kSliding = 0.2;         // [m/rad] default velocity limit of prismatic over revolute joints
 
+// The named frame; without a name "tool", or else the last frame.
 Tip tip_of(const Model& arm, const std::string& name) {
   if (!name.empty()) return {name};
   return {arm.find_frame("tool") >= 0 ? "tool" : arm.frames().back().name};
@@ -25,11 +26,13 @@ TaskRows rows_of(const Model& arm) {
   return arm.joints() >= 6 ? TaskRows::kPose : TaskRows::kPosition;
 }
 
+// Critically damped gains of this bandwidth [Hz].
 JointGains gains_of(const Model& arm, double frequency) {
   const double w = kTwoPi * frequency;
   return {VectorXd::Constant(arm.joints(), w * w), VectorXd::Constant(arm.joints(), 2.0 * w)};
 }
 
+// Limits of the robot file, with the options where it gives none.
 SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
   SafetyLimits limits = safety_limits(arm, o.effort);
   for (int i = 0; i < arm.joints(); ++i) {
@@ -61,7 +64,7 @@ InverseKinematicsOptions inverse_of(const Model& arm) {
   return o;
 }
 
-void put(const Eigen::Matrix3d& R, double (&out)[4]) {
+void copy_quaternion(const Eigen::Matrix3d& R, double (&out)[4]) {
   const Eigen::Quaterniond q(R);
   out[0] = q.x();
   out[1] = q.y();
@@ -75,8 +78,8 @@ CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
     : model_(model), options_(options), n_(model.joints()), tip_(tip_of(model, options.tip)),
       cycle_(model, tip_, cycle_of(model, options)), control_(n_, gains_of(model, options.frequency)),
       inverse_(model, tip_, inverse_of(model)), task_(model, tip_, rows_of(model)),
-      setpoint_(model, tip_), way_(VectorXd::Zero(n_)), wanted_(n_), limits_(cycle_.limits()), measured_(n_),
-      goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), zero_(goal_), speed_(goal_), led_(goal_),
+      setpoint_(model, tip_), setpoint_path_(VectorXd::Zero(n_)), reference_(n_), limits_(cycle_.limits()), measured_(n_),
+      goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), zero_(goal_), speed_(goal_), stream_target_(goal_),
       smoothed_(goal_) {
   require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
   require(options.oldest_positions > 0.0 && options.longest_cycle > 0.0,
@@ -88,27 +91,28 @@ CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
   cycle_.disable();
 }
 
-// From here on the measured position is held if the arm was commanded by efforts, else the setpoint.
+// Ends the motion: a stream of positions and a move stop at the setpoint, other modes at the measured position.
 void CrtkArm::hold() noexcept {
   const bool led = mode_ == Mode::kServo && stream_ != Kind::kServoJf && stream_ != Kind::kServoCf;
   if (led) {
-    way_.reset(way_.x());
+    setpoint_path_.reset(setpoint_path_.x());
   } else if (mode_ == Mode::kMove) {
-    way_.stop(kStop);
+    setpoint_path_.stop(kStop);
   } else if (mode_ != Mode::kHold) {
     goal_ = cycle_.state().q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
-    way_.reset(goal_);
+    setpoint_path_.reset(goal_);
     hold_position();
   }
   mode_ = Mode::kHold;
-  silent_ = 0.0;
+  silence_ = 0.0;
 }
 
+// Holds after a stream of commands has ended, and releases the arm later; `dt` [s] since the last cycle.
 void CrtkArm::watch_silence(double dt) noexcept {
-  silent_ += dt;
-  if (mode_ == Mode::kServo && silent_ > options_.hold_after) {
+  silence_ += dt;
+  if (mode_ == Mode::kServo && silence_ > options_.hold_after) {
     hold();
-    silent_ = options_.hold_after;
+    silence_ = options_.hold_after;
     stream_ = Kind::kServoJp;
     ++feedback_.lost_streams;
     client_ = 0;
@@ -116,46 +120,47 @@ void CrtkArm::watch_silence(double dt) noexcept {
   }
   // Held because a stream ended, not by a hold command.
   const bool lost = mode_ == Mode::kHold && stream_ != Kind::kHold;
-  if (lost && silent_ > options_.release_after) mode_ = Mode::kReleased;
-  if (mode_ == Mode::kMove && way_.arrived()) {
+  if (lost && silence_ > options_.release_after) mode_ = Mode::kReleased;
+  if (mode_ == Mode::kMove && setpoint_path_.arrived()) {
     mode_ = Mode::kHold;
     stream_ = Kind::kHold;
   }
 }
 
+// Moves the setpoint by the commanded twist over `dt` [s], within the joints' limits.
 void CrtkArm::follow_twist(double dt) noexcept {
-  setpoint_.update(way_.x(), zero_);
+  setpoint_.update(setpoint_path_.x(), zero_);
   task_.update(setpoint_.jacobian());
   task_.solve(twist_, zero_, speed_);
-  goal_ = (way_.x() + dt * speed_).cwiseMax(limits_.lower).cwiseMin(limits_.upper);
-  way_.reset(goal_);
+  goal_ = (setpoint_path_.x() + dt * speed_).cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+  setpoint_path_.reset(goal_);
 }
 
 // Moves the setpoint toward the stream's, within the velocity limits, because messages arrive in bursts.
 void CrtkArm::follow_joints(double dt) noexcept {
   for (int i = 0; i < n_; ++i) {
     const double most = kServoSpeed * limits_.velocity[i] * dt;
-    goal_[i] = way_.x()[i] + std::clamp(led_[i] - way_.x()[i], -most, most);
+    goal_[i] = setpoint_path_.x()[i] + std::clamp(stream_target_[i] - setpoint_path_.x()[i], -most, most);
   }
-  way_.reset(goal_);
+  setpoint_path_.reset(goal_);
 }
 
 // Sets the controller's reference to the arm's position, at rest.
 void CrtkArm::hold_position() noexcept {
   smoothed_ = goal_;
-  wanted_.q = goal_;
-  wanted_.dq.setZero();
-  wanted_.ddq.setZero();
+  reference_.q = goal_;
+  reference_.dq.setZero();
+  reference_.ddq.setZero();
 }
 
 // Three first-order lags: one on the setpoint, two on the reference, which also give its velocity and
 // acceleration.
 void CrtkArm::smooth(double dt) noexcept {
   const double w = options_.smoothing;
-  smoothed_ += (1.0 - std::exp(-w * dt)) * (way_.x() - smoothed_);
-  wanted_.ddq = w * w * (smoothed_ - wanted_.q) - 2.0 * w * wanted_.dq;
-  wanted_.dq += dt * wanted_.ddq;
-  wanted_.q += dt * wanted_.dq;
+  smoothed_ += (1.0 - std::exp(-w * dt)) * (setpoint_path_.x() - smoothed_);
+  reference_.ddq = w * w * (smoothed_ - reference_.q) - 2.0 * w * reference_.dq;
+  reference_.dq += dt * reference_.ddq;
+  reference_.q += dt * reference_.dq;
 }
 
 const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, double age,
@@ -168,7 +173,7 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   now_ += dt;
   powered_ = powered;
   if (!seen_ && q.allFinite()) {
-    way_.reset(q);
+    setpoint_path_.reset(q);
     goal_ = q;
     hold_position();
     seen_ = true;
@@ -176,16 +181,15 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   watch_silence(dt);
   if (!powered_ && q.allFinite()) {
     goal_ = q;
-    way_.reset(goal_);
+    setpoint_path_.reset(goal_);
     hold_position();
     if (mode_ != Mode::kOff) mode_ = Mode::kHold;
     stream_ = Kind::kHold;
   }
   if (mode_ == Mode::kServo && stream_ == Kind::kServoCv) follow_twist(dt);
   if (mode_ == Mode::kServo && (stream_ == Kind::kServoJp || stream_ == Kind::kServoCp)) follow_joints(dt);
-  way_.advance(dt);
-  const bool by_effort =
-      mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
+  setpoint_path_.advance(dt);
+  const bool by_effort = mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
   if (by_effort) {
     tau_ = arm.bias() + effort_;
     cycle_.command(tau_);
@@ -193,7 +197,7 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
     cycle_.command_gravity_compensation();
   } else {
     smooth(dt);
-    cycle_.command(control_.update(arm, wanted_));
+    cycle_.command(control_.update(arm, reference_));
     if (powered_) cycle_.add_model_error(control_.acceleration());
   }
   const VectorXd& drive = cycle_.send();
@@ -203,17 +207,18 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   }
   if (state_ == OperatingState::kDisabled || state_ == OperatingState::kFault) {
     goal_ = q.allFinite() ? q : goal_;
-    way_.reset(goal_);
+    setpoint_path_.reset(goal_);
     hold_position();
   }
-  publish_state();
+  fill_feedback();
   return drive;
 }
 
-void CrtkArm::publish_state() noexcept {
+// Fills feedback() with the present state.
+void CrtkArm::fill_feedback() noexcept {
   Feedback& f = feedback_;
   f.time = now_;
-  setpoint_.update(way_.x(), way_.dx());
+  setpoint_.update(setpoint_path_.x(), setpoint_path_.dx());
   const ArmState& arm = cycle_.state();
   const TipKinematics& tip = arm.tip();
   tau_ = cycle_.torque() - arm.bias();  // torque beyond gravity
@@ -225,7 +230,7 @@ void CrtkArm::publish_state() noexcept {
     f.q[i] = arm.q()[i];
     f.dq[i] = arm.dq()[i];
     f.tau[i] = cycle_.torque()[i];
-    f.setpoint[i] = way_.x()[i];
+    f.setpoint[i] = setpoint_path_.x()[i];
   }
   for (int i = 0; i < 3; ++i) {
     f.position[i] = tip.position()[i];
@@ -235,8 +240,8 @@ void CrtkArm::publish_state() noexcept {
     f.twist[i] = tip.twist()[i];
     f.wrench[i] = wrench[i];
   }
-  put(tip.rotation(), f.quaternion);
-  put(setpoint_.rotation(), f.setpoint_quaternion);
+  copy_quaternion(tip.rotation(), f.quaternion);
+  copy_quaternion(setpoint_.rotation(), f.setpoint_quaternion);
   f.state = state_;
   f.mode = mode_;
   f.homed = homed_;

@@ -101,7 +101,7 @@ class CrtkArm {
   /// @throws veridyn::InvalidInput  as the controllers; more than kMostJoints joints.
   explicit CrtkArm(const veridyn::Model& model, const CrtkOptions& options = {});
 
-  /// @returns the reason for a refusal, or kNone.
+  /// Executes a command, or refuses it without effect. @returns the reason for a refusal, or kNone.
   Refusal command(const Command& command) noexcept;
 
   /// Clients use true positions and torques; the errors of the model's sensors (veridyn::JointSensors) are
@@ -121,8 +121,8 @@ class CrtkArm {
   Mode mode() const { return mode_; }
 
  private:
-  Refusal refusal_of(const Command& c) noexcept;
-  Refusal transition(Command::Kind kind) noexcept;
+  Refusal execute_or_refuse(const Command& c) noexcept;
+  Refusal change_state(Command::Kind kind) noexcept;
   Refusal accept_joints(const Command& c, bool move) noexcept;
   Refusal accept_pose(const Command& c, bool move) noexcept;
   Refusal accept_effort(const Command& c) noexcept;
@@ -134,7 +134,7 @@ class CrtkArm {
   void follow_joints(double dt) noexcept;
   void smooth(double dt) noexcept;
   void hold_position() noexcept;
-  void publish_state() noexcept;
+  void fill_feedback() noexcept;
 
   veridyn::Model model_;
   CrtkOptions options_;
@@ -145,17 +145,17 @@ class CrtkArm {
   veridyn::InverseKinematics inverse_;
   veridyn::TaskInverse task_;
   veridyn::TipKinematics setpoint_;
-  veridyn::QuinticInterpolator way_;
-  veridyn::JointReference wanted_;
+  veridyn::QuinticInterpolator setpoint_path_;
+  veridyn::JointReference reference_;
   veridyn::SafetyLimits limits_;
   veridyn::Measured measured_;
-  VectorXd goal_, effort_, tau_, zero_, speed_, led_, smoothed_;
+  VectorXd goal_, effort_, tau_, zero_, speed_, stream_target_, smoothed_;
   Vector6d twist_{Vector6d::Zero()};
   OperatingState state_ = OperatingState::kDisabled;
   Mode mode_ = Mode::kOff;
   Command::Kind stream_ = Command::Kind::kHold;
   std::uint64_t client_ = 0;
-  double silent_ = 0.0, now_ = 0.0;
+  double silence_ = 0.0, now_ = 0.0;
   bool seen_ = false, homed_ = true, powered_ = true;
   Feedback feedback_;
 };

@@ -15,18 +15,18 @@ constexpr double kReach = 0.1;  // [s] duration at the velocity limit: a farther
 constexpr double kLeastMove = 0.2;    // [s] shortest duration of a move
 constexpr double kAccelerate = 0.25;  // [s] time to reach the velocity of a move
 
-bool streams(Kind kind) {
+bool is_stream(Kind kind) {
   return kind == Kind::kServoJp || kind == Kind::kServoJf || kind == Kind::kServoCp ||
          kind == Kind::kServoCf || kind == Kind::kServoCv;
 }
 
-bool moves(Kind kind) { return streams(kind) || kind == Kind::kMoveJp || kind == Kind::kMoveCp; }
+bool is_motion(Kind kind) { return is_stream(kind) || kind == Kind::kMoveJp || kind == Kind::kMoveCp; }
 
 bool needs_joints(Kind kind) {
   return kind == Kind::kServoJp || kind == Kind::kServoJf || kind == Kind::kMoveJp;
 }
 
-bool finite(const Command& c) {
+bool is_finite(const Command& c) {
   const auto all = [](const double* x, int count) {
     return std::all_of(x, x + count, [](double v) { return std::isfinite(v); });
   };
@@ -80,12 +80,12 @@ bool CrtkArm::is_within_limits(const VectorXd& q) const noexcept {
 }
 
 Refusal CrtkArm::command(const Command& c) noexcept {
-  const Refusal why = refusal_of(c);
+  const Refusal why = execute_or_refuse(c);
   if (why == Refusal::kNone) {
-    if (streams(c.kind)) {
+    if (is_stream(c.kind)) {
       stream_ = c.kind;
       client_ = c.client;
-      silent_ = 0.0;
+      silence_ = 0.0;
       mode_ = Mode::kServo;
     }
     return why;
@@ -95,13 +95,14 @@ Refusal CrtkArm::command(const Command& c) noexcept {
   return why;
 }
 
-Refusal CrtkArm::refusal_of(const Command& c) noexcept {
-  if (!finite(c)) return Refusal::kNotFinite;
+// Executes the command if it is allowed; else returns the reason.
+Refusal CrtkArm::execute_or_refuse(const Command& c) noexcept {
+  if (!is_finite(c)) return Refusal::kNotFinite;
   if (std::abs(c.age) > options_.oldest) return Refusal::kTooOld;
   // Commands that reduce motion are always accepted.
   if (c.kind == Kind::kDisable || c.kind == Kind::kPause || c.kind == Kind::kEnable ||
       c.kind == Kind::kResume || c.kind == Kind::kHome || c.kind == Kind::kUnhome)
-    return transition(c.kind);
+    return change_state(c.kind);
   if (state_ != OperatingState::kEnabled) return Refusal::kNotEnabled;
   if (!homed_) return Refusal::kNotHomed;
   if (c.kind == Kind::kHold) {
@@ -109,7 +110,7 @@ Refusal CrtkArm::refusal_of(const Command& c) noexcept {
     return Refusal::kNone;
   }
   if (!powered_) return Refusal::kNoPower;
-  if (moves(c.kind) && mode_ == Mode::kServo && c.client != client_ && silent_ < options_.hold_after)
+  if (is_motion(c.kind) && mode_ == Mode::kServo && c.client != client_ && silence_ < options_.hold_after)
     return Refusal::kOtherClient;
   if (needs_joints(c.kind) && c.count != n_) return Refusal::kWrongSize;
   if (mode_ == Mode::kReleased) hold();  // motion starts from the present position of the arm
@@ -125,7 +126,8 @@ Refusal CrtkArm::refusal_of(const Command& c) noexcept {
   }
 }
 
-Refusal CrtkArm::transition(Kind kind) noexcept {
+// Changes the operating state by CRTK's rules; kInvalidTransition from another state.
+Refusal CrtkArm::change_state(Kind kind) noexcept {
   const auto now = state_;
   const auto to = [this](OperatingState state) {
     state_ = state;
@@ -161,12 +163,13 @@ Refusal CrtkArm::transition(Kind kind) noexcept {
   }
 }
 
+// Sets the stream's joint positions, or plans a move to them.
 Refusal CrtkArm::accept_joints(const Command& c, bool move) noexcept {
   for (int i = 0; i < n_; ++i) goal_[i] = c.joints[i];
   if (!is_within_limits(goal_)) return Refusal::kBeyondLimits;
   double seconds = kLeastMove;
   for (int i = 0; i < n_; ++i) {
-    const double way = std::abs(goal_[i] - way_.x()[i]);
+    const double way = std::abs(goal_[i] - setpoint_path_.x()[i]);
     if (!move && way > kReach * limits_.velocity[i]) return Refusal::kTooFar;
     const double speed = options_.move_velocity * limits_.velocity[i];
     seconds = std::max(seconds, QuinticInterpolator::duration_for(way, speed, speed / kAccelerate));
@@ -175,23 +178,24 @@ Refusal CrtkArm::accept_joints(const Command& c, bool move) noexcept {
     hold();
     if (!move) {
       for (int i = 0; i < n_; ++i)
-        if (std::abs(goal_[i] - way_.x()[i]) > kReach * limits_.velocity[i]) return Refusal::kTooFar;
+        if (std::abs(goal_[i] - setpoint_path_.x()[i]) > kReach * limits_.velocity[i]) return Refusal::kTooFar;
     }
   }
   if (move) {
-    way_.move_to(goal_, seconds);
+    setpoint_path_.move_to(goal_, seconds);
     mode_ = Mode::kMove;
   } else {
-    led_ = goal_;
+    stream_target_ = goal_;
   }
   return Refusal::kNone;
 }
 
+// The same for a pose of the tip, by inverse kinematics.
 Refusal CrtkArm::accept_pose(const Command& c, bool move) noexcept {
   Eigen::Quaterniond turn(c.quaternion[3], c.quaternion[0], c.quaternion[1], c.quaternion[2]);
   if (!(turn.norm() > 0.5 && turn.norm() < 2.0)) return Refusal::kNotFinite;
   turn.normalize();
-  effort_ = way_.x();  // initial guess of the search
+  effort_ = setpoint_path_.x();  // initial guess of the search
   const Eigen::Vector3d position(c.position[0], c.position[1], c.position[2]);
   if (inverse_.solve(position, turn.toRotationMatrix(), effort_) != ReachStatus::kReached)
     return Refusal::kOutOfReach;
@@ -201,6 +205,7 @@ Refusal CrtkArm::accept_pose(const Command& c, bool move) noexcept {
   return accept_joints(joints, move);
 }
 
+// Sets joint torques, for servo_cf those of the wrench; refuses torques beyond the limits.
 Refusal CrtkArm::accept_effort(const Command& c) noexcept {
   for (int i = 0; i < n_; ++i) tau_[i] = c.joints[i];
   if (c.kind == Kind::kServoCf) {
@@ -213,9 +218,10 @@ Refusal CrtkArm::accept_effort(const Command& c) noexcept {
   return Refusal::kNone;
 }
 
+// Sets the twist of the tip; refuses joint velocities beyond the limits.
 Refusal CrtkArm::accept_twist(const Command& c) noexcept {
   const Eigen::Map<const Vector6d> twist(c.six);
-  setpoint_.update(way_.x(), zero_);
+  setpoint_.update(setpoint_path_.x(), zero_);
   task_.update(setpoint_.jacobian());
   task_.solve(twist, zero_, speed_);
   for (int i = 0; i < n_; ++i)

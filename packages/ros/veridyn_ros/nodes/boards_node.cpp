@@ -42,7 +42,7 @@ struct Arm {
   MotorTorque now;
   VectorXd tau;
   bool refused = false;  // a fault occurred since the controller was enabled
-  Spread answered;
+  TimeHistogram answered;
   // Used by the network's thread only.
   MotorState told;
   const char* told_state = nullptr;
@@ -80,8 +80,8 @@ class Boards {
       std::fprintf(stderr, "veridyn_boards: %s: power is %s\n", arm.name.c_str(),
                    off ? "off" : "NOT CONFIRMED to be off: press the emergency stop");
     }
-    std::printf("veridyn_boards: %s; torques answer positions after %s\n", figures_.sentence(steady_now() - began_).c_str(),
-                words_of(arms_.front().answered).c_str());
+    std::printf("veridyn_boards: %s; torques answer positions after %s\n", figures_.timing_text(steady_now() - began_).c_str(),
+                histogram_text(arms_.front().answered).c_str());
   }
 
  private:
@@ -124,8 +124,8 @@ class Boards {
       for (Arm& arm : arms_) step(arm);
       figures_.cycles += 1.0;
       figures_.mean_period += (dt - figures_.mean_period) / figures_.cycles;
-      figures_.late.note(cycle.latest());
-      figures_.compute.note(steady_now() - begun);
+      figures_.late.add_time(cycle.latest());
+      figures_.compute.add_time(steady_now() - begun);
       if (cycle.latest() > 0.5 / rate_) figures_.overruns += 1.0;
     }
   }
@@ -133,7 +133,7 @@ class Boards {
   void step(Arm& arm) noexcept {
     BoardArm& boards = *arm.boards;
     const bool valid = boards.read();
-    if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered.note(ros::WallTime::now().toSec() - arm.now.said);
+    if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered.add_time(ros::WallTime::now().toSec() - arm.now.said);
     const bool led = arm.enabled && steady_now() - arm.now.stamp < patience_;
     if (!arm.enabled) arm.refused = false;
     const char* why = boards.fault();

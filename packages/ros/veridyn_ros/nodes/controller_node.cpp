@@ -93,7 +93,7 @@ class Controller {
     loop.join();
     if (sender.joinable()) sender.join();
     loop_.read(told_);
-    std::printf("veridyn_controller: %s\n", told_.sentence(steady_now() - began).c_str());
+    std::printf("veridyn_controller: %s\n", told_.timing_text(steady_now() - began).c_str());
   }
 
  private:
@@ -130,8 +130,8 @@ class Controller {
       const double took = steady_now() - begun;
       f.cycles += 1.0;
       f.mean_period += (dt - f.mean_period) / f.cycles;
-      f.late.note(cycle.latest());
-      f.compute.note(took);
+      f.late.add_time(cycle.latest());
+      f.compute.add_time(took);
       if (cycle.latest() > kOverrun / rate_) f.overruns += 1.0;
       if (static_cast<long>(f.cycles) % kTold == 0) loop_.write(f);
     }

@@ -12,7 +12,7 @@ struct Looks {
   veridyn::Model links;  ///< a frame for every link of the URDF, also for those between two joints
 };
 
-/// @throws veridyn::InvalidInput  as to_urdf().
+/// URDF and links of a model. @throws veridyn::InvalidInput  as to_urdf().
 Looks appearance_of(const veridyn::Model& model);
 
 }  // namespace veridyn_ros

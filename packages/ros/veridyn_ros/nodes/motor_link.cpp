@@ -45,7 +45,7 @@ double Cycle::wait() noexcept {
   return dt;
 }
 
-void Spread::note(double seconds) noexcept {
+void TimeHistogram::add_time(double seconds) noexcept {
   const double x = std::max(seconds, kShortest);  // NaN becomes the shortest as well
   const double place = std::log(x / kShortest) / std::log(kStep);
   ++counts_[static_cast<std::size_t>(std::min(place, static_cast<double>(counts_.size() - 1)))];
@@ -53,7 +53,7 @@ void Spread::note(double seconds) noexcept {
   worst_ = std::max(worst_, seconds);
 }
 
-double Spread::quantile(double share) const noexcept {
+double TimeHistogram::quantile(double share) const noexcept {
   std::uint64_t below = 0;
   for (std::size_t k = 0; k < counts_.size(); ++k) {
     below += counts_[k];
@@ -63,17 +63,17 @@ double Spread::quantile(double share) const noexcept {
   return 0.0;
 }
 
-std::string words_of(const Spread& spread) {
+std::string histogram_text(const TimeHistogram& spread) {
   char out[120];
   std::snprintf(out, sizeof out, "median %.3f, 99.9 %% %.3f, worst %.3f ms", 1e3 * spread.quantile(0.5),
                 1e3 * spread.quantile(0.999), 1e3 * spread.worst());
   return out;
 }
 
-std::string LoopFigures::sentence(double seconds) const {
+std::string LoopFigures::timing_text(double seconds) const {
   char out[400];
   std::snprintf(out, sizeof out, "%.0f cycles of %.4f ms; late by %s; computing %s; %.0f more than half a period late; processor %.0f %% of a core",
-                cycles, 1e3 * mean_period, words_of(late).c_str(), words_of(compute).c_str(), overruns,
+                cycles, 1e3 * mean_period, histogram_text(late).c_str(), histogram_text(compute).c_str(), overruns,
                 100.0 * processor_seconds() / std::max(seconds, 1e-3));
   return out;
 }

@@ -23,7 +23,7 @@ struct MotorTorque {
   double said = 0.0;  ///< [s] of ROS' clock: stamp of the positions that the torques are for; 0: unknown
 };
 
-/// [s] of a clock that never jumps.
+/// [s] Present time of a clock that never jumps.
 double steady_now() noexcept;
 
 /// Waits until the next cycle; cycles that were missed are skipped.
@@ -38,10 +38,10 @@ class Cycle {
   double period_, next_, last_, latest_ = 0.0;
 };
 
-/// Histogram of times in steps of 5 %; note() neither allocates nor waits.
-class Spread {
+/// Histogram of times [s] in steps of 5 %; add_time() neither allocates nor waits.
+class TimeHistogram {
  public:
-  void note(double seconds) noexcept;
+  void add_time(double seconds) noexcept;
   /// [s] quantile of the times, to 5 %; 0 if there are none.
   double quantile(double share) const noexcept;
   double worst() const noexcept { return worst_; }
@@ -55,14 +55,14 @@ class Spread {
 /// Timing of a loop.
 struct LoopFigures {
   double cycles = 0.0, mean_period = 0.0, overruns = 0.0;
-  Spread late;     ///< [s] delays of the starts of cycles
-  Spread compute;  ///< [s] computation times of cycles
+  TimeHistogram late;     ///< [s] delays of the starts of cycles
+  TimeHistogram compute;  ///< [s] computation times of cycles
 
   /// "600000 cycles of 1.000 ms, ...; processor 31 % of a core", of a run of `seconds`.
-  std::string sentence(double seconds) const;
+  std::string timing_text(double seconds) const;
 };
 
 /// "median 0.10, 99.9 % 0.35, worst 2.10 ms"
-std::string words_of(const Spread& spread);
+std::string histogram_text(const TimeHistogram& spread);
 
 }  // namespace veridyn_ros

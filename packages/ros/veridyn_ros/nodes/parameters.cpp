@@ -17,7 +17,7 @@ using namespace veridyn;
 constexpr int kBadInput = 3;
 
 // The middle of the joints' ranges; zero where there are none.
-VectorXd middle(const Model& arm) {
+VectorXd middle_positions(const Model& arm) {
   VectorXd q = VectorXd::Zero(arm.joints());
   for (int i = 0; i < arm.joints(); ++i) {
     const Limits& l = arm.coordinates()[i].limits;
@@ -60,7 +60,7 @@ std::vector<ArmParameters> read_arms(const ros::NodeHandle& own) {
       ROS_WARN("%s: %s has no values; plausible ones are used", name.c_str(), file.c_str());
     }
     std::vector<double> start;
-    VectorXd q = middle(model);
+    VectorXd q = middle_positions(model);
     if (own.getParam(name + "/start", start)) {
       require(static_cast<int>(start.size()) == model.joints(), own.resolveName(name + "/start"),
               ": found ", start.size(), " numbers, expected ", model.joints(), ".");

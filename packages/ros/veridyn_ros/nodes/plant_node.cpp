@@ -30,7 +30,7 @@ struct Arm {
   VectorXd acting;
   Snapshot<MotorTorque> asked;
   MotorTorque now;
-  Spread* answered = nullptr;  // [s] times from positions to the torques that answer them
+  TimeHistogram* answered = nullptr;  // [s] times from positions to the torques that answer them
   ros::Subscriber servo_jf;
   ros::Publisher measured_js;
   sensor_msgs::JointState message;
@@ -38,8 +38,9 @@ struct Arm {
   std::string name;
 };
 
-void step(Arm& arm, double dt, double patience) {
-  if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered->note(ros::Time::now().toSec() - arm.now.said);
+// Advances an arm by `dt` [s]; without torques for `patience` [s] brakes hold it.
+void advance_arm(Arm& arm, double dt, double patience) {
+  if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered->add_time(ros::Time::now().toSec() - arm.now.said);
   const bool braked = steady_now() - arm.now.stamp > patience;
   if (braked && !arm.braked) ROS_WARN("%s: no torques any more; brakes hold it", arm.name.c_str());
   arm.braked = braked;
@@ -66,7 +67,7 @@ void run(ros::NodeHandle& own) {
   veridyn::require(rate > 0.0 && patience > 0.0, "~rate, ~patience: expected numbers above zero.");
   std::deque<Arm> arms;
   LoopFigures figures;
-  Spread answered;
+  TimeHistogram answered;
   ros::NodeHandle root;
   for (const ArmParameters& p : read_arms(own)) {
     Arm& arm = arms.emplace_back();
@@ -98,12 +99,12 @@ void run(ros::NodeHandle& own) {
     const double dt = cycle.wait(), began_cycle = steady_now();
     figures.cycles += 1.0;
     figures.mean_period += (dt - figures.mean_period) / figures.cycles;
-    figures.late.note(cycle.latest());
+    figures.late.add_time(cycle.latest());
     if (cycle.latest() > 0.5 / rate) figures.overruns += 1.0;
     time.clock = ros::Time(static_cast<double>(k) / rate);
     const ros::Time stamp = clock ? time.clock : ros::Time::now();
     for (Arm& arm : arms) {
-      step(arm, 1.0 / rate, patience);
+      advance_arm(arm, 1.0 / rate, patience);
       arm.message.header.stamp = stamp;
       arm.message.position.assign(arm.q.data(), arm.q.data() + arm.q.size());
       arm.message.velocity.assign(arm.dq.data(), arm.dq.data() + arm.dq.size());
@@ -111,10 +112,10 @@ void run(ros::NodeHandle& own) {
       arm.measured_js.publish(arm.message);
     }
     if (clock) clock.publish(time);
-    figures.compute.note(steady_now() - began_cycle);
+    figures.compute.add_time(steady_now() - began_cycle);
   }
-  std::printf("veridyn_plant: %s; torques answer positions after %s\n", figures.sentence(steady_now() - began).c_str(),
-              words_of(answered).c_str());
+  std::printf("veridyn_plant: %s; torques answer positions after %s\n", figures.timing_text(steady_now() - began).c_str(),
+              histogram_text(answered).c_str());
 }
 
 }  // namespace

@@ -81,8 +81,8 @@ class Show {
   explicit Show(ros::NodeHandle& own) : scale_(own.param("metres_per_newton", 0.02)) {
     require(scale_ > 0.0, own.resolveName("metres_per_newton"), ": found ", scale_, ", expected a number above zero.");
     std::string scenario;
-    if (own.getParam("scenario", scenario)) take(read_scenario(scenario));
-    else take(own);
+    if (own.getParam("scenario", scenario)) add_arms(read_scenario(scenario));
+    else add_arms(own);
     transforms_ = root_.advertise<tf2_msgs::TFMessage>("/tf", 100);
     markers_ = own.advertise<visualization_msgs::MarkerArray>("markers", 10);
   }
@@ -96,7 +96,7 @@ class Show {
   }
 
  private:
-  void take(const Scenario& scenario) {
+  void add_arms(const Scenario& scenario) {
     for (const ScenarioArm& a : scenario.arms) {
       add(a.name, read_model(a.model), a.frame, a.start);
       arms_.back().base = placed(a.position, a.turn);
@@ -111,7 +111,7 @@ class Show {
     }
   }
 
-  void take(ros::NodeHandle& own) {
+  void add_arms(ros::NodeHandle& own) {
     for (const ArmParameters& p : read_arms(own)) {
       add(p.name, p.model, p.tip, p.start);
       std::vector<double> base;

@@ -85,6 +85,9 @@ struct AxesCalibration {
   std::string report() const;
 };
 
+/// Status kCannotAnswer, with the reason, if there are too few frames or no pair of bodies turns about one
+/// axis.
+/// @throws InvalidInput  `between` has a body that the recording has not.
 AxesCalibration calibrate_axes(const MarkerCapture& capture, const AxesOptions& options = {});
 
 }  // namespace veridyn

@@ -40,6 +40,7 @@ struct PoseDesign {
   std::string report() const;
 };
 
+/// Status kCannotAnswer, with the reason, if no such poses exist.
 /// @throws InvalidInput  the arm has no such frame.
 PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options = {});
 

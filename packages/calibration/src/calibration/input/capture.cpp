@@ -17,6 +17,7 @@ using internal::CaptureTable;
 
 constexpr double kArm = 0.1;  // [m] distance of the markers on the axes from a pose's origin
 
+// Pose from x y z [m] qw qx qy qz; the identity rotation if not oriented.
 Eigen::Isometry3d pose_of(const VectorXd& v, bool oriented) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   if (oriented) T.linear() = Eigen::Quaterniond(v[3], v[4], v[5], v[6]).normalized().matrix();
@@ -41,7 +42,7 @@ void add_pose(const CapturedObject& object, MarkerCapture& out) {
   }
 }
 
-MarkerCapture markers_of(const CaptureTable& table) {
+MarkerCapture capture_of_markers(const CaptureTable& table) {
   MarkerCapture out;
   out.source = table.source;
   out.time = table.time;
@@ -70,29 +71,31 @@ bool is_marker(const CapturedObject& object) {
   return !object.has_orientation && object.name.find('/') != std::string::npos;
 }
 
+// "BODY" of an object "BODY/MARKER" or "BODY".
 std::string body_of(const CapturedObject& object) {
   return is_marker(object) ? object.name.substr(0, object.name.find('/')) : object.name;
 }
 
-// The requested body, or the only one.
-std::string chosen_body(const CaptureTable& table, const std::string& asked) {
+// The wanted body, or the only one; throws InvalidInput if there are several or no such body.
+std::string chosen_body(const CaptureTable& table, const std::string& wanted) {
   std::vector<std::string> names;
   for (const CapturedObject& o : table.objects) {
     if (std::find(names.begin(), names.end(), body_of(o)) == names.end())
       names.push_back(body_of(o));
   }
-  if (asked.empty()) {
+  if (wanted.empty()) {
     require(names.size() == 1, table.source, ": found ", names.size(), " bodies (", listed(names),
             "), expected one, or --body with the one to take.");
     return names.front();
   }
   require(names != std::vector<std::string>{""}, table.source,
           ": found one body without a name, expected none after --body.");
-  require(std::find(names.begin(), names.end(), asked) != names.end(), table.source,
-          ": found no body '", asked, "', expected one of ", listed(names), ".");
-  return asked;
+  require(std::find(names.begin(), names.end(), wanted) != names.end(), table.source,
+          ": found no body '", wanted, "', expected one of ", listed(names), ".");
+  return wanted;
 }
 
+// Appends row k of the table with its pose, unless a joint position is missing.
 void add_frame(const CaptureTable& table, Eigen::Index k, const Eigen::Isometry3d& T,
                PoseCapture& out, std::vector<double>& time) {
   if (table.q.cols() > 0 && !table.q.row(k).allFinite()) return;
@@ -112,7 +115,7 @@ std::vector<std::string> MarkerCapture::bodies() const {
 }
 
 MarkerCapture read_markers(const std::string& path, const CaptureOptions& options) {
-  return markers_of(internal::read_capture(path, options));
+  return capture_of_markers(internal::read_capture(path, options));
 }
 
 PoseCapture read_poses(const std::string& path, const CaptureOptions& options) {
@@ -132,7 +135,7 @@ PoseCapture read_poses(const std::string& path, const CaptureOptions& options) {
       if (v.allFinite()) add_frame(table, k, pose_of(v, out.has_orientation), out, time);
     }
   } else {
-    MarkerCapture capture = markers_of(table);
+    MarkerCapture capture = capture_of_markers(table);
     for (const internal::RigidBody& body : internal::rigid_bodies(capture)) {
       if (body.name != out.body) continue;
       out.fault = body.fault;

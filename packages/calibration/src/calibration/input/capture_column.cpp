@@ -9,8 +9,8 @@
 namespace veridyn::internal {
 namespace {
 
-// Removes "[mm]" or "(mm)" from the end of a name.
-std::string without_unit(const std::string& name, std::string& unit) {
+// The name without "[mm]" or "(mm)" at its end, which goes to `unit`.
+std::string split_off_unit(const std::string& name, std::string& unit) {
   const char closing = name.empty() ? ' ' : name.back();
   if (closing != ']' && closing != ')') return name;
   const std::size_t open = name.rfind(closing == ']' ? '[' : '(');
@@ -20,6 +20,7 @@ std::string without_unit(const std::string& name, std::string& unit) {
   return name.substr(0, last == std::string::npos ? 0 : last + 1);
 }
 
+// Index of a component in the order x y z qw qx qy qz rx ry rz; -1: another word.
 int component_index(const std::string& word) {
   static const std::array<const char*, 10> kComponents = {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz"};
   const auto* const found = std::find(kComponents.begin(), kComponents.end(), to_lower(word));
@@ -51,11 +52,11 @@ double metres_of(std::string unit) {
   return 0.0;
 }
 
-CaptureColumn capture_column(const std::string& name) {
+CaptureColumn parsed_column(const std::string& name) {
   using Kind = CaptureColumn::Kind;
   CaptureColumn column;
   column.name = name;
-  const std::string bare = without_unit(name, column.unit);
+  const std::string bare = split_off_unit(name, column.unit);
   const std::string word = to_lower(bare);
   if (is_one_of(word, {"t", "time", "timestamp", "time_s", "seconds"})) {
     column.kind = Kind::kTime;

@@ -12,10 +12,12 @@ namespace {
 using Fields = std::vector<std::string>;
 using Kind = CaptureColumn::Kind;
 
+// "file:line" of the last line read.
 std::string where(const CsvLines& lines) {
   return text(lines.path(), ":", lines.number());
 }
 
+// Fields of the next line; throws InvalidInput at the end of the file.
 Fields next_fields(CsvLines& lines, char separator, const char* expected) {
   std::string_view line;
   require(lines.next(&line), lines.path(), ": found the end of the file, expected ", expected, ".");
@@ -26,17 +28,19 @@ bool begins_with(const std::string& word, const std::string& start) {
   return word.compare(0, start.size(), start) == 0;
 }
 
-// The value after a key in a line of keys and values.
+// The field after `key`; empty if there is none.
 std::string value_after(const Fields& fields, const std::string& key) {
   const auto found = std::find(fields.begin(), fields.end(), key);
   return found == fields.end() || found + 1 == fields.end() ? "" : *(found + 1);
 }
 
-std::string marker_object(std::string name) {
+// BODY:MARKER as BODY/MARKER.
+std::string with_slash(std::string name) {
   std::replace(name.begin(), name.end(), ':', '/');
   return name;
 }
 
+// Column of component `index` (CaptureColumn) of an object, called `name` in messages.
 CaptureColumn component_column(const std::string& object, int index, const std::string& name) {
   CaptureColumn column;
   column.kind = Kind::kComponent;
@@ -83,7 +87,7 @@ CaptureHeader motive_header(CsvLines& lines, const Fields& first) {
       }
       const int at = static_cast<int>(axis);
       // The markers of a body have more information than the pose that the program fitted to them.
-      header.columns.push_back(component_column(marker_object(names[k]),
+      header.columns.push_back(component_column(with_slash(names[k]),
                                          !quaternion               ? at
                                          : row[k] == "W"           ? 3
                                                                    : 4 + at,
@@ -105,7 +109,7 @@ CaptureHeader nexus_header(CsvLines& lines) {
   std::string object;
   for (std::size_t k = 0; k < axes.size(); ++k) {
     static const std::string kAxes = "XYZ";
-    if (k < names.size() && !names[k].empty()) object = marker_object(names[k]);
+    if (k < names.size() && !names[k].empty()) object = with_slash(names[k]);
     const std::size_t axis = kAxes.find(axes[k]);
     if (axes[k].size() != 1 || axis == std::string::npos) {
       header.columns.emplace_back();
@@ -130,7 +134,7 @@ CaptureHeader track_manager_header(CsvLines& lines) {
     if (row[0] != "MARKER_NAMES") continue;
     for (std::size_t k = 1; k < row.size(); ++k) {
       if (row[k].empty()) continue;
-      std::string object = capture_column(row[k] + "/x").object;
+      std::string object = parsed_column(row[k] + "/x").object;
       for (int c = 0; c < 3; ++c)
         header.columns.push_back(component_column(object, c, std::string(1, "XYZ"[c])));
     }
@@ -138,8 +142,8 @@ CaptureHeader track_manager_header(CsvLines& lines) {
   }
 }
 
-// The last comment may state the unit: "unit: mm", or "units in mm" among other words.
-std::string unit_of_comment(const std::string& comment) {
+// Unit that a comment states: "unit: mm", or "units in mm" among other words; empty: none.
+std::string unit_in_comment(const std::string& comment) {
   std::string words;
   for (const char c : comment) words += c == ':' || c == '=' ? " : " : std::string(1, c);
   const Fields fields = csv_fields(words, ' ');
@@ -165,8 +169,8 @@ CaptureHeader read_capture_header(CsvLines& lines) {
   if (begins_with(names[0], "NO_OF_FRAMES")) return track_manager_header(lines);
   CaptureHeader header;
   header.separator = separator;
-  header.unit = unit_of_comment(lines.last_comment());
-  for (const std::string& name : names) header.columns.push_back(capture_column(name));
+  header.unit = unit_in_comment(lines.last_comment());
+  for (const std::string& name : names) header.columns.push_back(parsed_column(name));
   return header;
 }
 

@@ -23,45 +23,49 @@ constexpr int kComponents = 7;
 constexpr int kRead = 10;  // number of components with a rotation vector, which becomes the quaternion
 
 // Assembles rows into frames; a frame is one row (wide), or the rows of one time (long).
-class Reader {
+class CaptureReader {
  public:
-  Reader(const std::string& path, const CaptureOptions& options)
+  CaptureReader(const std::string& path, const CaptureOptions& options)
       : path_(path), options_(options), lines_(path), header_(read_capture_header(lines_)) {}
 
   CaptureTable read() {
-    check_columns();
+    register_columns();
     std::string_view line;
     for (bool first = true; lines_.next(&line); first = false) {
       const std::vector<std::string> fields = csv_fields(line, header_.separator);
       if (first && header_.padded && reads_column_names(fields)) continue;
       read_row(fields);
     }
-    return table();
+    return assembled_table();
   }
 
  private:
-  std::string place_in_file(std::size_t column) const {
+  // "file:line:column", with the column from 1.
+  std::string where(std::size_t column) const {
     return text(path_, ":", lines_.number(), ":", column + 1);
   }
 
-  // Track Manager may write a row of column names, with frame and time before the markers.
+  // True if the line is a row of column names, as Track Manager may write it; its columns before the markers
+  // (frame, time) are then added to the header.
   bool reads_column_names(const std::vector<std::string>& fields) {
     if (fields[0] != "Frame") return false;
     std::vector<CaptureColumn> before(1);
-    if (fields.size() > 1 && fields[1] == "Time") before.push_back(capture_column("t"));
+    if (fields.size() > 1 && fields[1] == "Time") before.push_back(parsed_column("t"));
     header_.columns.insert(header_.columns.begin(), before.begin(), before.end());
     metres_.insert(metres_.begin(), before.size(), 1.0);
     return true;
   }
 
-  void check_columns() {
+  // Checks the columns and stores the unit of each; throws InvalidInput on a duplicate, no position or a
+  // missing joint.
+  void register_columns() {
     std::map<std::string, int> seen;
     std::vector<int> joints;
     metres_.assign(header_.columns.size(), 1.0);
     for (std::size_t k = 0; k < header_.columns.size(); ++k) {
       const CaptureColumn& c = header_.columns[k];
       if (c.kind == Kind::kIgnored) continue;
-      if (c.kind == Kind::kComponent && c.index < 3) metres_[k] = metres(c);
+      if (c.kind == Kind::kComponent && c.index < 3) metres_[k] = metres_per_unit(c);
       const std::string key = text(static_cast<int>(c.kind), " ", c.object, " ", c.index);
       require(++seen[key] == 1 || header_.padded, path_, ":", lines_.number(), ":", k + 1,
               ": found column '", c.name, "' twice, expected it once.");
@@ -78,8 +82,8 @@ class Reader {
     joints_ = joints.size();
   }
 
-  // Number of a field; NaN if it is empty.
-  double number(const std::string& field, std::size_t column) const {
+  // Value of a field; NaN for a gap; throws InvalidInput for other text.
+  double parsed_number(const std::string& field, std::size_t column) const {
     if (field.empty()) return kNaN;
     const char* first = field.data() + (field[0] == '+' ? 1 : 0);
     const char* last = field.data() + field.size();
@@ -87,13 +91,13 @@ class Reader {
     const auto [rest, error] = std::from_chars(first, last, value);
     const bool gap = field == "NaN" || field == "NA" || field == "null";
     if (gap) return kNaN;
-    require(error == std::errc() && rest == last && !std::isinf(value), place_in_file(column), ": found '",
+    require(error == std::errc() && rest == last && !std::isinf(value), where(column), ": found '",
             excerpt(field), "' in column '", header_.columns[column].name, "', expected a number or a gap.");
     return value;
   }
 
-  // Metres per unit of a column: the option, its own unit, the file's.
-  double metres(const CaptureColumn& column) const {
+  // Metres per unit of a column: by the option, its own unit, the file's; 1 if none is stated.
+  double metres_per_unit(const CaptureColumn& column) const {
     const std::string& unit = !options_.unit.empty() ? options_.unit : !column.unit.empty() ? column.unit : header_.unit;
     if (unit.empty()) return 1.0;
     const double out = metres_of(unit);
@@ -102,6 +106,7 @@ class Reader {
     return out;
   }
 
+  // Adds a line to the present frame, or begins a frame; throws InvalidInput if fields are missing.
   void read_row(const std::vector<std::string>& fields) {
     const std::size_t count = header_.columns.size();
     std::size_t filled = fields.size();
@@ -114,47 +119,48 @@ class Reader {
     std::vector<double> q(joints_, kNaN);
     for (std::size_t k = 0; k < std::min(filled, count); ++k) {
       const CaptureColumn& c = header_.columns[k];
-      if (c.kind == Kind::kTime) time = number(fields[k], k);
+      if (c.kind == Kind::kTime) time = parsed_number(fields[k], k);
       if (c.kind == Kind::kBodyName) body = fields[k];
       if (c.kind == Kind::kObjectName) name = fields[k];
-      if (c.kind == Kind::kJoint) q[c.index] = number(fields[k], k);
+      if (c.kind == Kind::kJoint) q[c.index] = parsed_number(fields[k], k);
     }
-    const bool has_time = has(Kind::kTime);
+    const bool has_time = has_column(Kind::kTime);
     require(!has_time || !std::isnan(time), path_, ":", lines_.number(),
             ": found no time, expected a number in column t.");
     const bool same = is_long_ && has_time && !times_.empty() && time == times_.back();
     if (!same) {
-      times_.push_back(has_time ? time : index_time());
+      times_.push_back(has_time ? time : time_by_rate());
       lines_of_.push_back(lines_.number());
       q_.push_back(q);
     }
     if (is_long_) name = body + (body.empty() || name.empty() ? "" : "/") + name;
     require(!is_long_ || !name.empty(), path_, ":", lines_.number(),
             ": found no name, expected the marker or body of the row.");
-    read_components(fields, std::min(filled, count), is_long_ ? name_with_slashes(name) : "");
+    read_components(fields, std::min(filled, count), is_long_ ? object_name(name) : "");
   }
 
-  bool has(Kind kind) const {
+  bool has_column(Kind kind) const {
     return std::any_of(header_.columns.begin(), header_.columns.end(),
                        [kind](const CaptureColumn& c) { return c.kind == kind; });
   }
 
-  // The name with slashes as separators, as the column headers of a wide table give it.
-  static std::string name_with_slashes(const std::string& name) {
-    return capture_column(name + "/x").object;
+  static std::string object_name(const std::string& name) {
+    return parsed_column(name + "/x").object;
   }
 
-  double index_time() const {
+  // [s] Time of the next frame of a file without times; without a rate, frames count seconds.
+  double time_by_rate() const {
     const double rate = options_.rate > 0.0 ? options_.rate : header_.rate;
     return static_cast<double>(times_.size()) / (rate > 0.0 ? rate : 1.0);
   }
 
+  // Stores the pose components of a line; `of_row` is the object of a line of a long file.
   void read_components(const std::vector<std::string>& fields, std::size_t count,
                   const std::string& of_row) {
     for (std::size_t k = 0; k < count; ++k) {
       const CaptureColumn& c = header_.columns[k];
       if (c.kind != Kind::kComponent) continue;
-      double value = number(fields[k], k);
+      double value = parsed_number(fields[k], k);
       if (c.index < 3) value *= metres_[k];
       const std::string& name = is_long_ ? of_row : c.object;
       const auto [found, is_new] = index_.try_emplace(name, objects_.size());
@@ -168,7 +174,8 @@ class Reader {
     }
   }
 
-  CaptureTable table() {
+  // All frames as a checked table; throws InvalidInput if there are none.
+  CaptureTable assembled_table() {
     CaptureTable out;
     out.source = path_;
     const auto frames = static_cast<Eigen::Index>(times_.size());
@@ -183,15 +190,15 @@ class Reader {
     for (Object& o : objects_) {
       o.values.resize(kRead * times_.size(), kNaN);
       MatrixXd values = Eigen::Map<const MatrixXd>(o.values.data(), kRead, frames);
-      if (o.has_orientation && !o.has_quaternion) set_quaternions(values);
+      if (o.has_orientation && !o.has_quaternion) convert_rotation_vectors(values);
       out.objects.push_back({o.name, values.topRows(kComponents), o.has_orientation});
     }
     check_values(out);
     return out;
   }
 
-  // From axis times angle, as Universal Robots writes it.
-  void set_quaternions(MatrixXd& values) const {
+  // Sets quaternions from axis times angle [rad], as Universal Robots writes it.
+  void convert_rotation_vectors(MatrixXd& values) const {
     for (Eigen::Index k = 0; k < values.cols(); ++k) {
       const Eigen::Vector3d r = values.col(k).tail<3>();
       if (!r.allFinite()) continue;
@@ -203,6 +210,7 @@ class Reader {
     }
   }
 
+  // Turns zero quaternions into gaps; throws InvalidInput on norms other than 1 and on positions beyond 50 m.
   void check_values(CaptureTable& table) const {
     for (CapturedObject& o : table.objects) {
       for (Eigen::Index k = 0; k < o.values.cols(); ++k) {
@@ -248,7 +256,7 @@ class Reader {
 CaptureTable read_capture(const std::string& path, const CaptureOptions& options) {
   require(options.unit.empty() || metres_of(options.unit) > 0.0, "unit: found '", options.unit,
           "', expected m, cm or mm.");
-  return Reader(path, options).read();
+  return CaptureReader(path, options).read();
 }
 
 }  // namespace veridyn::internal

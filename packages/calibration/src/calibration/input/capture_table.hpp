@@ -27,11 +27,11 @@ struct CaptureHeader {
   bool padded = false;  ///< rows may be short, as exports omit trailing gaps
 };
 
-/// Metres of "mm", "millimeters", ...; 0 if it is no unit of length.
+/// Metres per unit of "mm", "millimeters", ...; 0 if it is no unit of length.
 double metres_of(std::string unit);
 
-/// Parses the name of a column.
-CaptureColumn capture_column(const std::string& name);
+/// Content of a column by its name; kIgnored if the name is unknown.
+CaptureColumn parsed_column(const std::string& name);
 
 /// One marker or one rigid body over time.
 struct CapturedObject {
@@ -43,12 +43,13 @@ struct CapturedObject {
 /// A motion-capture file in memory.
 struct CaptureTable {
   std::string source;
-  VectorXd time;
-  MatrixXd q;                  ///< (frames x joints)
+  VectorXd time;               ///< (frames) [s]
+  MatrixXd q;                  ///< (frames x joints) [rad] or [m]; NaN where missing
   std::vector<long> lines;     ///< line numbers of the file, by frame
   std::vector<CapturedObject> objects;
 };
 
+/// Reads a file of any layout that read_markers() accepts, in SI units.
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".
 CaptureTable read_capture(const std::string& path, const CaptureOptions& options);
 

@@ -34,8 +34,8 @@ struct Motion {
 
 using Column = Eigen::Matrix<double, 6, 1>;
 
-// Effect of a motion on the body whose origin is at p.
-Column effect(const Motion& m, const Vector3d& p) {
+// Rotation and translation, in that order, of a body with its origin at p per unit of a motion.
+Column pose_derivative(const Motion& m, const Vector3d& p) {
   Column out;
   if (m.turns) {
     out << m.axis, m.axis.cross(p - m.point);
@@ -145,8 +145,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
       const Isometry3d parent = T;
       const Vector3d at = parent * Vector3d(v(0), v(1), v(2));
       const Matrix3d yaw = parent.linear() * rotation_about_z(v(5)).linear();
-      const Matrix3d pitch =
-          yaw * Eigen::AngleAxisd(v(4), Vector3d::UnitY()).toRotationMatrix();
+      const Matrix3d pitch = yaw * Eigen::AngleAxisd(v(4), Vector3d::UnitY()).toRotationMatrix();
       for (int c = 0; c < 3; ++c)
         note(entry + static_cast<std::size_t>(c), false, parent.linear().col(c), at);
       note(entry + 3, true, pitch.col(0), at);
@@ -171,7 +170,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   const Vector3d p = body.translation();
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const std::optional<JointIndex> joint = parameters_.entries()[k].constant.joint;
-    const Column column = effect(motions[k], p);
+    const Column column = pose_derivative(motions[k], p);
     double by_entry = 1.0;
     if (joint) {
       const int zero = zero_parameter_[joint->value];
@@ -196,9 +195,9 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
         const LinkParameter& other = parameters_.all()[c];
         if (other.kind == Kind::kBase && other.index < 3) w[other.index] = x_[c];
       }
-      J->col(k) = effect({true, right_jacobian(-w) * unit, base_.translation()}, p);
+      J->col(k) = pose_derivative({true, right_jacobian(-w) * unit, base_.translation()}, p);
     } else if (is_base) {
-      J->col(k) = effect({false, unit, p}, p);
+      J->col(k) = pose_derivative({false, unit, p}, p);
     } else if (one.index < 3) {
       Vector3d w = Vector3d::Zero();
       for (int c = 0; c < parameters_.size(); ++c) {

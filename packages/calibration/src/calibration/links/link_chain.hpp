@@ -9,19 +9,19 @@ namespace veridyn::internal {
 /// every parameter.
 class LinkChain {
  public:
-  /// @param base, tool  nominal poses, to which the parameters of base and tool are applied.
-  LinkChain(const LinkParameters& parameters, const Eigen::Isometry3d& base,
-            const Eigen::Isometry3d& tool);
+  /// @param base, tool  nominal poses, to which the parameters of base and tool are arm_with.
+  LinkChain(const LinkParameters& parameters, const Eigen::Isometry3d& base, const Eigen::Isometry3d& tool);
 
   const LinkParameters& parameters() const { return parameters_; }
 
-  /// Sets the parameters x for the poses below.
+  /// Sets the parameters x with which base(), tool() and pose() are computed.
   void set(const VectorRef& x);
   const VectorXd& x() const { return x_; }
 
   Eigen::Isometry3d base() const { return base_; }
   Eigen::Isometry3d tool() const { return tool_; }
 
+  /// T_camera_body.
   /// @param q  joint readings [rad], [m] as recorded.
   /// @param J  null, or (6 x parameters): rotation [rad] and translation [m] of the body in the
   /// cameras' frame per parameter, rotation first.

@@ -19,7 +19,7 @@ constexpr int kRounds = 3;
 
 using Rows = Eigen::Matrix<double, 6, 1>;
 
-// Rotation and translation from the measured pose to the model's.
+// Rotation vector [rad], zero if not oriented, and translation [m] from the measured pose to the model's.
 Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented) {
   Rows e = Rows::Zero();
   if (oriented)
@@ -28,14 +28,14 @@ Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented
   return e;
 }
 
-// Converts the derivative of the pose to that of error_of().
-void turn_into_error(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
-  const Matrix3d L =
-      left_jacobian_inverse(e.head<3>()) * measured.linear().transpose();
+// Converts J from the derivative of the pose to that of error_of(), which is e.
+void convert_to_error_derivative(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
+  const Matrix3d L = left_jacobian_inverse(e.head<3>()) * measured.linear().transpose();
   J.topRows<3>() = (L * J.topRows<3>()).eval();
 }
 
-VectorXd full_vector(const VectorRef& x, const std::vector<int>& active, const double* values) {
+// A copy of x in which entry active[k] is values[k].
+VectorXd with_active_values(const VectorRef& x, const std::vector<int>& active, const double* values) {
   VectorXd out = x;
   for (std::size_t k = 0; k < active.size(); ++k) out[active[k]] = values[k];
   return out;
@@ -57,7 +57,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
   for (const int row : data.rows) {
     if (data.is_outlier[row] != 0) continue;
     const Residual residual = [&, row](const double* const* v, double* r, double* const* J) {
-      const VectorXd now = full_vector(start, active, v[0]);
+      const VectorXd now = with_active_values(start, active, v[0]);
       if (now != chain.x()) chain.set(now);
       const Isometry3d& measured = data.poses->poses[row];
       const bool wanted = J != nullptr && J[0] != nullptr;
@@ -65,9 +65,8 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
       const VectorXd q = data.poses->q.row(row);
       Rows e = error_of(chain.pose(q, wanted ? &by : nullptr), measured, oriented);
       Rows weight;
-      weight << Vector3d::Constant(1.0 / data.noise.angle),
-          Vector3d::Constant(1.0 / data.noise.position);
-      if (wanted && oriented) turn_into_error(e, measured, by);
+      weight << Vector3d::Constant(1.0 / data.noise.angle), Vector3d::Constant(1.0 / data.noise.position);
+      if (wanted && oriented) convert_to_error_derivative(e, measured, by);
       for (int c = 0; c < size; ++c) {
         const int of = oriented ? c : c + 3;
         r[c] = weight[of] * e[of];
@@ -79,7 +78,7 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
     problem.add({{block}, size, residual, huber, true});
   }
   problem.minimise(1, 40);
-  return full_vector(start, active, problem.value(block).data());
+  return with_active_values(start, active, problem.value(block).data());
 }
 
 VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vector<int>& active,
@@ -87,15 +86,13 @@ VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vect
   VectorXd now = x;
   for (int round = 0; round <= kRounds; ++round) {
     const LinkErrors errors = link_errors(chain, data, now);
-    data.noise.position =
-        std::max(kLeastNoise, robust_deviation_of_lengths(errors.position));
+    data.noise.position = std::max(kLeastNoise, robust_deviation_of_lengths(errors.position));
     data.noise.angle = std::max(kLeastNoise, robust_deviation_of_lengths(errors.angle));
     for (std::size_t k = 0; k < data.rows.size(); ++k) {
       const bool far = errors.position[k] > outlier * std::sqrt(3.0) * data.noise.position;
       const bool turned = data.poses->has_orientation &&
                           errors.angle[k] > outlier * std::sqrt(3.0) * data.noise.angle;
-      data.is_outlier[data.rows[k]] =
-          round > 1 && (far || turned) ? 1 : 0;
+      data.is_outlier[data.rows[k]] = round > 1 && (far || turned) ? 1 : 0;
     }
     if (round == kRounds) break;
     now = fitted_links(chain, data, active, now, round > 1 ? 0.0 : kHuber);
@@ -108,8 +105,7 @@ LinkErrors link_errors(LinkChain& chain, const LinkData& data, const VectorRef& 
   LinkErrors out;
   for (const int row : data.rows) {
     const VectorXd q = data.poses->q.row(row);
-    const Rows e = error_of(chain.pose(q, nullptr), data.poses->poses[row],
-                            data.poses->has_orientation);
+    const Rows e = error_of(chain.pose(q, nullptr), data.poses->poses[row], data.poses->has_orientation);
     out.angle.push_back(e.head<3>().norm());
     out.position.push_back(e.tail<3>().norm());
   }
@@ -127,7 +123,7 @@ LinkNormal link_normal(LinkChain& chain, const LinkData& data, const VectorRef& 
     const Isometry3d& measured = data.poses->poses[row];
     const VectorXd q = data.poses->q.row(row);
     Rows e = error_of(chain.pose(q, &J), measured, oriented);
-    if (oriented) turn_into_error(e, measured, J);
+    if (oriented) convert_to_error_derivative(e, measured, J);
     J.topRows<3>() /= data.noise.angle;
     J.bottomRows<3>() /= data.noise.position;
     e.head<3>() /= data.noise.angle;
@@ -152,7 +148,7 @@ double rms_of(const std::vector<double>& errors, const LinkData& data, bool with
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
-void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+void estimate_attached_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Isometry3d& base, Isometry3d& tool) {
   base = Isometry3d::Identity();
   tool = Isometry3d::Identity();
@@ -215,8 +211,7 @@ void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool bas
   }
   const VectorXd x = A.completeOrthogonalDecomposition().solve(b);
   Matrix3d R_transposed;
-  R_transposed << x.segment<3>(0).transpose(), x.segment<3>(3).transpose(),
-      x.segment<3>(6).transpose();
+  R_transposed << x.segment<3>(0).transpose(), x.segment<3>(3).transpose(), x.segment<3>(6).transpose();
   base.linear() = nearest_rotation(R_transposed).transpose();
   tool.translation() = x.segment<3>(9);
   Vector3d shift = Vector3d::Zero();

@@ -22,7 +22,7 @@ struct LinkErrors {
   std::vector<double> position, angle;  ///< [m], [rad] by row of the data
 };
 
-/// J' W J and J' W r over all parameters, without outliers.
+/// N = J' W J and g = J' W r over all parameters, chi2 = r' W r and the size of r, without outliers.
 struct LinkNormal {
   MatrixXd N;
   VectorXd g;
@@ -30,24 +30,27 @@ struct LinkNormal {
   int residuals = 0;
 };
 
-/// Fits the active parameters starting from x; noise and outliers are fixed.
+/// All parameters after a fit of the active ones (indices) from x, with the noise and outliers of `data`.
+/// @param huber  standard deviations beyond which a residual counts linearly; 0: squares.
 VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<int>& active,
                       const VectorRef& x, double huber);
 
-/// The same with the noise estimated iteratively and outliers marked in the data.
+/// Like fitted_links(), but estimates the noise and marks poses beyond `outlier` deviations, both in `data`.
 VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vector<int>& active,
                                const VectorRef& x, double outlier);
 
+/// Magnitudes of the errors of position and orientation of every row, with the parameters x.
 LinkErrors link_errors(LinkChain& chain, const LinkData& data, const VectorRef& x);
 
+/// Normal equations at the parameters x.
 LinkNormal link_normal(LinkChain& chain, const LinkData& data, const VectorRef& x);
 
-/// Root mean square of the errors, with or without outliers.
+/// Root mean square of one error per row of the data, with or without outliers; 0 if none remains.
 double rms_of(const std::vector<double>& errors, const LinkData& data, bool with_outliers);
 
-/// Poses of base and tool for which the unmodified robot is closest to the measured poses: A X = Y B, or the
-/// linear problem of positions alone. Fixed poses stay the identity.
-void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+/// Sets `base` and `tool` so that the unmodified robot is closest to the measured poses: by A X = Y B, or the
+/// linear problem of positions alone. A pose that is not free is set to the identity.
+void estimate_attached_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Eigen::Isometry3d& base, Eigen::Isometry3d& tool);
 
 }  // namespace veridyn::internal

@@ -17,13 +17,14 @@ constexpr double kStep = 1e-6;  // step of the differences in a constant
 
 bool is_angle(const FrameConstant& constant) { return unit_of(constant) == "rad"; }
 
-// Lengths come before angles: the first one of several confounded constants is reported.
-int rank(const FrameConstant& constant) {
+// Order of constants with one effect, of which the first is reported: lengths before angles, ratios last.
+int reporting_order(const FrameConstant& constant) {
   if (constant.joint) return 3;
   if (!is_angle(constant)) return 0;
   return constant.number == FrameNumber::kTheta ? 1 : 2;
 }
 
+// True if the formula has `name` as a whole word.
 bool mentions(const std::string& formula, const std::string& name) {
   for (std::size_t at = formula.find(name); at != std::string::npos;
        at = formula.find(name, at + 1)) {
@@ -83,7 +84,7 @@ void LinkParameters::collect_parameters(bool base_free, bool tool_free, bool ori
   std::vector<int> order;
   for (int k = 0; k < static_cast<int>(entries_.size()); ++k) order.push_back(k);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return rank(entries_[a].constant) < rank(entries_[b].constant);
+    return reporting_order(entries_[a].constant) < reporting_order(entries_[b].constant);
   });
   for (const int k : order) {
     const LinkEntry& e = entries_[k];
@@ -103,6 +104,7 @@ void LinkParameters::collect_parameters(bool base_free, bool tool_free, bool ori
   }
 }
 
+// Named constants of the file at the parameters x, including those that depend on others.
 std::map<std::string, double> LinkParameters::constants(const VectorRef& x) const {
   std::map<std::string, double> out = arm_.description().constants;
   std::set<std::string> set;
@@ -124,8 +126,8 @@ std::map<std::string, double> LinkParameters::constants(const VectorRef& x) cons
   return out;
 }
 
-double LinkParameters::entry_value(const LinkEntry& entry,
-                                   const std::map<std::string, double>& c) const {
+// Value of an entry with the named constants c.
+double LinkParameters::entry_value(const LinkEntry& entry, const std::map<std::string, double>& c) const {
   return entry.formula.empty() ? entry.value : veridyn::evaluate(entry.formula, c);
 }
 
@@ -154,7 +156,7 @@ void LinkParameters::evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by
   }
 }
 
-Model LinkParameters::applied(const VectorRef& x) const {
+Model LinkParameters::arm_with(const VectorRef& x) const {
   ModelDescription d = arm_.description();
   d.constants = constants(x);
   std::vector<std::pair<FrameConstant, double>> set;

@@ -30,6 +30,7 @@ struct LinkParameter {
 /// The numbers of a robot file between its base and one frame.
 class LinkParameters {
  public:
+  /// @param base_free, tool_free  the pose is unknown. @param oriented  false: only the tool's position is.
   LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free, bool oriented);
 
   const Model& arm() const { return arm_; }
@@ -42,8 +43,8 @@ class LinkParameters {
   /// zero elsewhere), at the parameters x.
   void evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by_constant) const;
 
-  /// The arm with these values.
-  Model applied(const VectorRef& x) const;
+  /// The arm with the parameters x, without the statistics of its identification.
+  Model arm_with(const VectorRef& x) const;
 
  private:
   void collect_entries();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDependent = 1e-9;  // squared remainder of a column, relative to its square
 
-// Bound of a parameter's uncertainty (two standard deviations) for which fitting it is useful.
+// Bound of a parameter's uncertainty (two standard standard_deviations) for which fitting it is useful.
 double uncertainty_bound(const LinkParameter& p) {
   return p.unit == "m" ? links_numbers.loose_length : p.unit == "rad" ? links_numbers.loose_angle : links_numbers.loose_ratio;
 }
@@ -59,7 +59,7 @@ struct Loosest {
 
 Loosest most_uncertain(const LinkParameters& parameters, const LinkNormal& normal,
                 const std::vector<int>& active) {
-  const VectorXd s = deviations(normal, active);
+  const VectorXd s = standard_deviations(normal, active);
   Loosest out;
   for (std::size_t k = 0; k < active.size(); ++k) {
     const LinkParameter& p = parameters.all()[active[k]];
@@ -88,7 +88,7 @@ void drop_uncertain(const LinkParameters& parameters, const LinkNormal& normal, 
     if (out.why[k].empty() || normal.N(k, k) <= 0.0 ||
         std::find(removed.begin(), removed.end(), k) != removed.end())
       continue;
-    const double deviation = gains(normal, out.independent)[k].deviation;
+    const double deviation = gains_of_adding(normal, out.independent)[k].deviation;
     if (deviation <= 0.0 || 2.0 * deviation > uncertainty_bound(parameters.all()[k])) continue;
     std::vector<int> with = out.independent;
     with.insert(std::upper_bound(with.begin(), with.end(), k), k);
@@ -109,14 +109,12 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
   }
   // A factor of N: columns scaled to one, without small eigenvalues.
   const VectorXd scale = normal.N.diagonal().cwiseSqrt();
-  const VectorXd inverse =
-      scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
       MatrixXd(inverse.asDiagonal() * normal.N * inverse.asDiagonal()));
   const VectorXd roots = eigen.eigenvalues().unaryExpr(
       [&](double v) { return v > kDependent * eigen.eigenvalues().maxCoeff() ? std::sqrt(v) : 0.0; });
-  const MatrixXd A =
-      roots.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  const MatrixXd A = roots.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
   SquareRootInformation factor(names);
   factor.absorb(A, VectorXd::Zero(A.rows()));
   const BaseParameters base = base_parameters(factor, preference);
@@ -137,12 +135,12 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
   return out;
 }
 
-VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active) {
+VectorXd standard_deviations(const LinkNormal& normal, const std::vector<int>& active) {
   if (active.empty()) return VectorXd();
   return inverse_of(normal.N, active).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& active) {
+std::vector<LinkGain> gains_of_adding(const LinkNormal& normal, const std::vector<int>& active) {
   const auto p = static_cast<int>(normal.g.size());
   std::vector<int> all;
   for (int k = 0; k < p; ++k) all.push_back(k);
@@ -161,8 +159,7 @@ std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& ac
   for (int k = 0; k < p; ++k) {
     if (!(N(k, k) > kDependent * normal.N(k, k))) continue;
     if (std::find(active.begin(), active.end(), k) != active.end()) continue;
-    out[k] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k),
-                                        1.0 / std::sqrt(N(k, k))};
+    out[k] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k), 1.0 / std::sqrt(N(k, k))};
   }
   return out;
 }

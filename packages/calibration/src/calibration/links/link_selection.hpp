@@ -20,8 +20,8 @@ struct LinkChoice {
 /// replaced by dependent ones that are well determined without them.
 LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal, bool leave_out_loose = true);
 
-/// Deviations of the active parameters, (active), for residuals of variance one.
-VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active);
+/// (active) Standard deviations of the active parameters, for residuals of variance one.
+VectorXd standard_deviations(const LinkNormal& normal, const std::vector<int>& active);
 
 /// Effect of adding one parameter at a minimum over the active ones.
 struct LinkGain {
@@ -29,6 +29,7 @@ struct LinkGain {
   double step = 0.0;       ///< change of the parameter
   double deviation = 0.0;  ///< its standard deviation, for residuals of variance one; 0: no column
 };
-std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& active);
+/// One per parameter.
+std::vector<LinkGain> gains_of_adding(const LinkNormal& normal, const std::vector<int>& active);
 
 }  // namespace veridyn::internal

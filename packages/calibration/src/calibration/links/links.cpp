@@ -21,11 +21,12 @@ namespace {
 using namespace internal;  // NOLINT: the parts of this very calibration
 using Kind = LinkParameter::Kind;
 
-constexpr double kSameGain = 1e-6;             // relative difference of equal gains
+constexpr double kSameGain = 1e-6;             // relative difference of equal gains_of_adding
 constexpr int kHeldOutBlocks = 80;
 constexpr double kNoise = 1e-9;  // [m] smaller differences of constants are rounding
 
-int last_frame(const Model& arm) {
+// The last of the frames that most joints move.
+int most_distal_frame(const Model& arm) {
   std::vector<int> depth(arm.frames().size(), 0);
   int best = 0;
   for (std::size_t k = 0; k < depth.size(); ++k) {
@@ -52,16 +53,16 @@ std::vector<int> every_row(int frames) {
   return out;
 }
 
-Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+// Fits the robot with base and tool free or at the file's poses, and finds its identifiable constants.
+Attachment fit_attachment(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
                   bool tool_free, const LinksOptions& options) {
   Attachment a;
   a.base_free = base_free;
   a.tool_free = tool_free;
-  a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free,
-                                                  poses.has_orientation);
+  a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free, poses.has_orientation);
   Eigen::Isometry3d base;
   Eigen::Isometry3d tool;
-  start_poses(arm, frame, poses, base_free, tool_free, base, tool);
+  estimate_attached_poses(arm, frame, poses, base_free, tool_free, base, tool);
   a.chain = std::make_unique<LinkChain>(*a.parameters, base, tool);
   a.data.poses = &poses;
   a.data.rows = every_row(poses.frames());
@@ -88,6 +89,7 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   return a;
 }
 
+// True if the median errors of the unmodified robot are below near_position and near_angle.
 bool is_near_file(const Model& arm, int frame, const PoseCapture& poses) {
   const LinkParameters none(arm, frame, false, false, true);
   LinkChain chain(none, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
@@ -99,11 +101,12 @@ bool is_near_file(const Model& arm, int frame, const PoseCapture& poses) {
          (!poses.has_orientation || median(errors.angle) < links_numbers.near_angle);
 }
 
+// The requested assumption about base and tool; if automatic, both as in the file if that fits as well, else
+// free.
 Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,
                              const LinksOptions& options) {
   const auto is = [](AttachedPose p, AttachedPose q) { return p == q; };
-  const bool open = is(options.base, AttachedPose::kAutomatic) ||
-                    is(options.tool, AttachedPose::kAutomatic);
+  const bool open = is(options.base, AttachedPose::kAutomatic) || is(options.tool, AttachedPose::kAutomatic);
   const auto with = [&](bool automatic) {
     const bool base = is(options.base, AttachedPose::kAutomatic)
                           ? automatic
@@ -111,7 +114,7 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
     const bool tool = is(options.tool, AttachedPose::kAutomatic)
                           ? automatic
                           : is(options.tool, AttachedPose::kFree);
-    return attach(arm, frame, poses, base, tool, options);
+    return fit_attachment(arm, frame, poses, base, tool, options);
   };
   if (!open) return with(false);
   Attachment free = with(true);
@@ -128,10 +131,11 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
 struct Explanation {
   bool complete = false;
   std::vector<int> named;
-  std::vector<std::string> rivals;  // for each named constant: others that explain the poses nearly as well
+  std::vector<std::string> rivals;  // for each named constant: others that smallest_explanation the poses nearly as well
   VectorXd x;
 };
 
+// Both sets in ascending order.
 std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
   std::vector<int> out = a;
   out.insert(out.end(), b.begin(), b.end());
@@ -153,9 +157,8 @@ double relative_change(const LinkParameter& p, const LinkGain& gain) {
 }
 
 // Counts how many of base and tool are at the file's poses when these parameters are fitted.
-int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x,
-                        double correlation) {
-  const VectorXd s = deviations(link_normal(*a.chain, a.data, x), active);
+int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x, double correlation) {
+  const VectorXd s = standard_deviations(link_normal(*a.chain, a.data, x), active);
   bool base = true;
   bool tool = true;
   for (std::size_t k = 0; k < active.size(); ++k) {
@@ -170,9 +173,9 @@ int attached_as_in_file(Attachment& a, const std::vector<int>& active, const Vec
   return static_cast<int>(base) + static_cast<int>(tool);
 }
 
-// The constant with the largest gain. Among equal gains: those with which base and tool are at the file's
-// poses; of these the one with the smallest relative change, named ones preferred; else the first in the
-// file's order.
+// Index of the constant with the largest gain; -1: no gain. Among equal gains: those with which base and tool
+// are at the file's poses; of these the one with the smallest relative change, named ones preferred; else the
+// first in the file's order. The others are named in `rivals`.
 int constant_with_largest_gain(Attachment& a, const std::vector<int>& active, const std::vector<LinkGain>& gain,
               const VectorXd& x, double correlation, std::string& rivals) {
   const std::vector<LinkParameter>& all = a.parameters->all();
@@ -191,8 +194,7 @@ int constant_with_largest_gain(Attachment& a, const std::vector<int>& active, co
     int own_in_file = 0;
     if (equal.size() > 1 && !a.attached.empty()) {
       const std::vector<int> with = joined(active, {k});
-      own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0),
-                                        correlation);
+      own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0), correlation);
     }
     const double own = relative_change(all[k], gain[k]);
     if (best >= 0 && (own_in_file < in_file || (own_in_file == in_file && !(own < change)))) continue;
@@ -211,7 +213,7 @@ int constant_with_largest_gain(Attachment& a, const std::vector<int>& active, co
 void drop_redundant(Attachment& a, Explanation& e, double correlation) {
   for (std::size_t k = 0; k < e.named.size() && e.named.size() > 1;) {
     const std::vector<int> active = joined(a.attached, e.named);
-    const VectorXd s = deviations(link_normal(*a.chain, a.data, e.x), active);
+    const VectorXd s = standard_deviations(link_normal(*a.chain, a.data, e.x), active);
     const auto at = std::find(active.begin(), active.end(), e.named[k]) - active.begin();
     if (std::abs(e.x[e.named[k]]) > links_numbers.significant * std::sqrt(correlation) * s[at]) {
       ++k;
@@ -225,7 +227,7 @@ void drop_redundant(Attachment& a, Explanation& e, double correlation) {
   }
 }
 
-Explanation explain(Attachment& a, const LinksOptions& options, double correlation) {
+Explanation smallest_explanation(Attachment& a, const LinksOptions& options, double correlation) {
   Explanation e;
   const double best = link_normal(*a.chain, a.data, a.x).chi2;
   e.x = a.start;
@@ -234,17 +236,15 @@ Explanation explain(Attachment& a, const LinksOptions& options, double correlati
     e.x = fitted_links(*a.chain, a.data, active, e.x, 0.0);
     const LinkNormal normal = link_normal(*a.chain, a.data, e.x);
     const double rest = (normal.chi2 - best) / correlation;
-    const double freedom =
-        std::max(1.0, 1.0 * a.choice.independent.size() - 1.0 * active.size());
-    const double scale =
-        best / std::max(1.0, 1.0 * normal.residuals - 1.0 * a.choice.independent.size());
+    const double freedom = std::max(1.0, 1.0 * a.choice.independent.size() - 1.0 * active.size());
+    const double scale = best / std::max(1.0, 1.0 * normal.residuals - 1.0 * a.choice.independent.size());
     if (rest / scale < freedom + 4.0 * std::sqrt(2.0 * freedom)) {
       e.complete = true;
       break;
     }
     if (static_cast<int>(e.named.size()) >= options.most_named) break;
     std::string rivals;
-    const int next = constant_with_largest_gain(a, active, gains(normal, active), e.x, correlation, rivals);
+    const int next = constant_with_largest_gain(a, active, gains_of_adding(normal, active), e.x, correlation, rivals);
     if (next < 0) break;
     e.named.push_back(next);
     e.rivals.push_back(rivals);
@@ -253,7 +253,7 @@ Explanation explain(Attachment& a, const LinksOptions& options, double correlati
   return e;
 }
 
-// Contiguous segments, every fourth held out.
+// Frames of contiguous segments, every fourth of which is held out.
 std::vector<int> segment_frames(int frames, bool held_out) {
   const int length = std::max(1, frames / kHeldOutBlocks);
   std::vector<int> out;
@@ -263,6 +263,7 @@ std::vector<int> segment_frames(int frames, bool held_out) {
   return out;
 }
 
+// Sets the held-out errors of `out`, after a fit of the active parameters to the other segments.
 void evaluate_held_out(Attachment& a, const std::vector<int>& active, const VectorXd& x,
               LinksCalibration& out) {
   LinkData train = a.data;
@@ -278,6 +279,7 @@ void evaluate_held_out(Attachment& a, const std::vector<int>& active, const Vect
   out.held_out_rms_file = rms_of(link_errors(*a.chain, test, file).position, test, false);
 }
 
+// correlation_factor() of the position residuals, without outliers.
 double serial_correlation(Attachment& a) {
   const LinkErrors errors = link_errors(*a.chain, a.data, a.x);
   // Signed residuals, by component.
@@ -294,13 +296,13 @@ double serial_correlation(Attachment& a) {
   return correlation_factor(series);
 }
 
+// Appends every parameter with its 95 % interval, and the reason if it is not identifiable, to out.constants.
 void list_constants(const Attachment& a, const Explanation& e, const std::vector<int>& active,
                     const VectorXd& x, LinksCalibration& out) {
   const LinkNormal normal = link_normal(*a.chain, a.data, x);
-  const VectorXd s = deviations(normal, active);
-  const std::vector<LinkGain> more = gains(normal, active);
-  const double dof =
-      std::max(1.0, (normal.residuals - 1.0 * active.size()) / out.correlation);
+  const VectorXd s = standard_deviations(normal, active);
+  const std::vector<LinkGain> more = gains_of_adding(normal, active);
+  const double dof = std::max(1.0, (normal.residuals - 1.0 * active.size()) / out.correlation);
   const double scale = std::sqrt(
       normal.chi2 / std::max(1.0, normal.residuals - 1.0 * active.size()) * out.correlation);
   for (int k = 0; k < a.parameters->size(); ++k) {
@@ -342,8 +344,8 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
   }
 }
 
-// Sentence on the first joint outside of its limits, which may be recorded in other units.
-std::string beyond_limits(const Model& arm, const PoseCapture& poses) {
+// Text on the first joint outside of its limits, which may be recorded in other units; empty if there is none.
+std::string beyond_limits_text(const Model& arm, const PoseCapture& poses) {
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
     const double low = poses.q.col(i).minCoeff();
@@ -360,13 +362,14 @@ std::string wrong_frame_reason(const Model& arm, const Attachment& a, const std:
   const auto outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   const double angle = a.data.poses->has_orientation ? rms_of(errors.angle, a.data, false) : 0.0;
   const std::string why =
-      contradiction(a.data.poses->poses, {outliers, rms_of(errors.position, a.data, false), angle});
+      contradiction_reason(a.data.poses->poses, {outliers, rms_of(errors.position, a.data, false), angle});
   if (why.empty()) return "";
   return why + "; they may be poses of another frame than " + frame + ", joints of other rows, or not in rad and m" +
-         beyond_limits(arm, *a.data.poses);
+         beyond_limits_text(arm, *a.data.poses);
 }
 
-std::string unidentifiable_reason(const Model& arm, const PoseCapture& poses, int fewest) {
+// Reason if there is no pose, too few of them, or a joint that rests; else empty.
+std::string insufficient_poses_reason(const Model& arm, const PoseCapture& poses, int fewest) {
   if (!poses.fault.empty()) return poses.fault;
   if (poses.frames() < fewest)
     return fmt::format("too few frames: {} with a pose and all joints, and {} or more are needed",
@@ -389,14 +392,14 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
           poses.q.cols() == 0 ? std::string("no columns of joints")
                               : text("joints q1 to q", poses.q.cols()),
           ", expected q1 to q", arm.joints(), " of robot '", arm.name(), "'.");
-  const int frame = options.frame.empty() ? last_frame(arm) : arm.find_frame(options.frame);
+  const int frame = options.frame.empty() ? most_distal_frame(arm) : arm.find_frame(options.frame);
   require(frame >= 0, "robot '", arm.name(), "': found no frame '", options.frame, "'.");
   LinksCalibration out;
   out.robot = arm.name();
   out.source = poses.source;
   out.frame = arm.frames()[frame].name;
   out.frames = poses.frames();
-  out.reason = unidentifiable_reason(arm, poses, links_numbers.fewest_frames);
+  out.reason = insufficient_poses_reason(arm, poses, links_numbers.fewest_frames);
   if (!out.reason.empty()) return out;
   Attachment a = chosen_attachment(arm, frame, poses, options);
   out.base_free = a.base_free;
@@ -418,10 +421,9 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
     return out;
   }
   out.correlation = serial_correlation(a);
-  const Explanation e = explain(a, options, out.correlation);
+  const Explanation e = smallest_explanation(a, options, out.correlation);
   out.explained = e.complete;
-  const std::vector<int> active =
-      e.complete ? joined(a.attached, e.named) : joined({}, a.choice.independent);
+  const std::vector<int> active = e.complete ? joined(a.attached, e.named) : joined({}, a.choice.independent);
   const VectorXd x = e.complete ? e.x : a.x;
   evaluate_held_out(a, active, x, out);
   list_constants(a, e, active, x, out);
@@ -434,14 +436,12 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
   out.base = a.chain->base();
   out.tool = a.chain->tool();
   out.rms_file = rms_of(link_errors(*a.chain, a.data, a.start).position, a.data, false);
-  out.outliers = static_cast<int>(
-      std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
+  out.outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   for (const Eigen::Isometry3d& T : poses.poses) out.positions.emplace_back(T.translation());
   out.joints = poses.q;
-  out.model = a.parameters->applied(x);
+  out.model = a.parameters->arm_with(x);
   out.status = CalibrationStatus::kDone;
-  out.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return out;
 }
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-std::string constant_name(const LinkConstant& c) {
+std::string constant_title(const LinkConstant& c) {
   return c.frame.empty() ? c.name : c.name + " of frame " + c.frame;
 }
 
-// A value in mm, deg or as a plain number.
+// A value in mm, deg or as a plain number; "open" if it is infinite.
 std::string value_text(double value, const std::string& unit) {
   if (!std::isfinite(value)) return "open";
   if (unit == "m") return fmt::format("{:.3f} mm", 1e3 * value);
@@ -22,7 +22,7 @@ std::string value_text(double value, const std::string& unit) {
   return fmt::format("{:.5f}", value);
 }
 
-std::string verdict(const LinksCalibration& r) {
+std::string verdict_text(const LinksCalibration& r) {
   if (r.explained && r.named.empty())
     return "No constant differs from the file: the poses are explained as well with it.\n";
   if (!r.explained)
@@ -32,7 +32,7 @@ std::string verdict(const LinksCalibration& r) {
                                                        "explain all:\n", r.named.size());
   for (const int k : r.named) {
     const LinkConstant& c = r.constants[k];
-    text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", constant_name(c),
+    text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", constant_title(c),
                         value_text(c.file, c.unit), value_text(c.found, c.unit), value_text(c.low, c.unit),
                         value_text(c.high, c.unit), c.why.empty() ? "" : " It " + c.why + ".");
   }
@@ -47,7 +47,7 @@ std::string LinksCalibration::report() const {
       "Constants of {} from {} poses of frame {}, {} of them left out; pose of the base {}, of the "
       "body on the frame {}\n", robot, frames, frame, outliers, base_free ? "found too" : "known",
       tool_free ? "found too" : "known");
-  text += verdict(*this);
+  text += verdict_text(*this);
   text += fmt::format("Error of positions: {:.3f} mm rms with the file, {:.3f} mm now; held out "
                       "{:.3f} mm (file {:.3f} mm), orientations {:.4f} deg.\n",
                       1e3 * rms_file, 1e3 * rms, 1e3 * held_out_rms, 1e3 * held_out_rms_file,
@@ -57,7 +57,7 @@ std::string LinksCalibration::report() const {
     const std::string range = c.identifiable || c.changed
                                   ? value_text(c.low, c.unit) + " to " + value_text(c.high, c.unit)
                                   : c.why;
-    text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', constant_name(c),
+    text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', constant_title(c),
                         value_text(c.file, c.unit), value_text(c.found, c.unit), range);
   }
   return text;
@@ -81,8 +81,7 @@ std::string compare_wrong_constant(const LinksCalibration& links, const std::str
                                         value_text(same->low, same->unit), value_text(same->high, same->unit));
   if (!same->changed) {
     const bool apart = same->high < low || same->low > high;
-    return torques + poses +
-           (apart ? "they contradict the torques." : "nothing wrong as far as they tell.");
+    return torques + poses + (apart ? "they contradict the torques." : "nothing wrong as far as they tell.");
   }
   const bool agree = same->low <= high && same->high >= low;
   return torques + poses + (agree ? "they agree." : "the same constant, by another amount.");

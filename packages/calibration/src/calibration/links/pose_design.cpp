@@ -22,9 +22,9 @@ constexpr double kSmallest = 1e-9;  // share of the candidates' information that
 
 using RowsOfPose = MatrixXd;  // (6 x constants), divided by the standard deviations
 
-class Exchange {
+class ExchangeDesign {
  public:
-  Exchange(const std::vector<RowsOfPose>& rows, int poses, RandomNumbers& random) : rows_(rows) {
+  ExchangeDesign(const std::vector<RowsOfPose>& rows, int poses, RandomNumbers& random) : rows_(rows) {
     const auto p = rows.front().cols();
     MatrixXd all = MatrixXd::Zero(p, p);
     for (const RowsOfPose& r : rows) all.noalias() += r.transpose() * r;
@@ -39,7 +39,7 @@ class Exchange {
   void improve() {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       bool better = false;
-      for (std::size_t k = 0; k < chosen.size(); ++k) better = exchange(k) || better;
+      for (std::size_t k = 0; k < chosen.size(); ++k) better = replace_pose(k) || better;
       if (!better) return;
     }
   }
@@ -61,13 +61,15 @@ class Exchange {
   std::vector<int> chosen;
 
  private:
+  // Logarithm of the determinant of the information of these poses.
   double log_determinant(const std::vector<int>& which) const {
     const VectorXd d = information(which).ldlt().vectorD();
     return d.cwiseMax(1e-300).array().log().sum();
   }
 
-  // det(N + r'r) = det(N) det(I + r N^-1 r').
-  bool exchange(std::size_t k) {
+  // Replaces chosen pose k by the best candidate, by det(N + r'r) = det(N) det(I + r N^-1 r'); false: it is the
+  // best.
+  bool replace_pose(std::size_t k) {
     std::vector<int> rest = chosen;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
     const Eigen::LDLT<MatrixXd> solver(information(rest));
@@ -116,6 +118,7 @@ void order_poses(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign
   }
 }
 
+// The named frame (-1: no such frame), or the last of the frames that most joints move.
 int tracked_frame(const Model& arm, const std::string& name) {
   if (!name.empty()) return arm.find_frame(name);
   std::size_t best = 0;
@@ -176,7 +179,7 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
     for (int c = 0; c < out.constants; ++c)
       rows.back().col(c) = J.col(choice.independent[c]);
   }
-  Exchange exchange(rows, options.poses, random);
+  ExchangeDesign exchange(rows, options.poses, random);
   exchange.improve();
   out.gain = exchange.gain();
   MatrixXd poses(options.poses, arm.joints());
@@ -187,10 +190,9 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
     poses.row(k) = q[at];
     designed.N.noalias() += full[at].transpose() * full[at];
   }
-  const VectorXd s = deviations(designed, choice.independent);
+  const VectorXd s = standard_deviations(designed, choice.independent);
   for (int c = 0; c < out.constants; ++c) {
-    const LinkParameter& p =
-        parameters.all()[choice.independent[c]];
+    const LinkParameter& p = parameters.all()[choice.independent[c]];
     out.predictions.push_back({p.frame.empty() ? p.name : p.name + " of " + p.frame, p.unit, s[c]});
   }
   order_poses(limits, options.rest, poses, out);

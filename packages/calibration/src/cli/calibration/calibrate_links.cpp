@@ -23,14 +23,16 @@ struct CalibrateLinksRequest {
   CommonOptions common;
 };
 
-AttachedPose attached(const std::string& word) {
+// "known", "free"; else automatic.
+AttachedPose parsed_attached_pose(const std::string& word) {
   if (word == "known") return AttachedPose::kKnown;
   return word == "free" ? AttachedPose::kFree : AttachedPose::kAutomatic;
 }
 
 // One line that compares the result with the wrong constant in the JSON of `diagnose`; empty without such a
 // constant.
-std::string compared(const std::string& file, const LinksCalibration& links) {
+// Throws InvalidInput if the file has no findings.
+std::string comparison_in(const std::string& file, const LinksCalibration& links) {
   const nlohmann::json diagnosis =
       nlohmann::json::parse(content_of_file(file, "what diagnose --json wrote"), nullptr, false);
   require(diagnosis.is_object() && diagnosis.contains("findings"), file,
@@ -58,9 +60,10 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
          (named.empty() ? "no constant" : named) + ": only one of them is wrong, or both are off.";
 }
 
+// comparison_in(), with InvalidInput for JSON of another structure.
 std::string comparison_with(const std::string& file, const LinksCalibration& links) {
   try {
-    return compared(file, links);
+    return comparison_in(file, links);
   } catch (const nlohmann::json::exception& error) {
     throw InvalidInput(text(file, ": found another structure (", error.what(),
                             "), expected what diagnose --json wrote."));
@@ -72,8 +75,8 @@ ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) 
   const Model arm = read_model(request.robot);
   if (!request.options.frame.empty())
     expect_one_of("--frame", request.options.frame, frame_names(arm));
-  request.options.base = attached(request.base);
-  request.options.tool = attached(request.tool);
+  request.options.base = parsed_attached_pose(request.base);
+  request.options.tool = parsed_attached_pose(request.tool);
   request.options.threads = request.common.threads;
   const LinksCalibration found = while_busy(request.common, "calibrating", [&] {
     return calibrate_links(arm, read_poses(request.poses, request.capture), request.options);
@@ -97,8 +100,7 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   add_value(command, "POSES", request->poses, "t,q1..qn,x,y,z,qw,qx,qy,qz; orientation may miss")
       ->required();
-  add_value(command, "--frame NAME", request->options.frame,
-            "Frame that was tracked (default: the last)");
+  add_value(command, "--frame NAME", request->options.frame, "Frame that was tracked (default: the last)");
   add_output_option(command, "--robot-out", request->robot_out, "Write the calibrated robot file");
   const auto pose = [&](const char* option, std::string& target, const char* help) {
     command.add_option(option, target, help)
@@ -110,7 +112,7 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
        "fit (auto)");
   pose("--tool", request->tool, "Pose of the tracked body on the frame, likewise (auto)");
   add_value(command, "--diagnosis FILE", request->diagnosis,
-            "Result of diagnose --json, whose wrong constant is compared");
+            "Result of diagnose --json, whose wrong constant is comparison_in");
   add_body_option(command, request->capture);
   add_capture_options(command, request->capture);
   add_report_option(command, request->common);

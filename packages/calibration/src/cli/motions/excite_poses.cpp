@@ -21,7 +21,8 @@ struct PosesRequest {
   int poses = 30;
 };
 
-std::string csv_text(const PoseDesign& design) {
+// Rows t [s], q1..qn of the poses.
+std::string poses_as_csv(const PoseDesign& design) {
   std::string out = "t";
   for (Eigen::Index i = 0; i < design.q.cols(); ++i) out += fmt::format(",q{}", i + 1);
   out += "\n";
@@ -66,13 +67,12 @@ ExitStatus run(const ExciteExtension::Request& call, const PosesRequest& request
   options.poses = request.poses;
   options.limit_share = call.limit_share.value_or(0.95);
   options.seed = call.seed;
-  const PoseDesign design =
-      while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
+  const PoseDesign design = while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
   if (design.status != CalibrationStatus::kDone) {
     print_message(design.reason + ".");
     return kDataCannotAnswer;
   }
-  write_file(call.output, csv_text(design));
+  write_file(call.output, poses_as_csv(design));
   if (!common.json.empty()) write_file(common.json, to_json(design));
   std::cout << design.report();
   return kDone;

@@ -25,7 +25,8 @@ Json interval_json(const Eigen::Vector3d& value, const Eigen::Vector3d& half) {
   return out;
 }
 
-Json head(const std::string& part, CalibrationStatus status, const std::string& reason) {
+// JSON with the keys that all parts share: part, status, reason.
+Json calibration_json_head(const std::string& part, CalibrationStatus status, const std::string& reason) {
   Json out = json_head("calibrate");
   out["part"] = part;
   out["status"] = status == CalibrationStatus::kDone ? "done" : "cannot_answer";
@@ -33,6 +34,7 @@ Json head(const std::string& part, CalibrationStatus status, const std::string& 
   return out;
 }
 
+// Pose with qw >= 0, and its 95 % radii.
 Json pose_json(const Eigen::Isometry3d& T, double metres, double radians) {
   Eigen::Quaterniond q(T.linear());
   if (q.w() < 0.0) q.coeffs() *= -1.0;
@@ -72,7 +74,7 @@ Json link_json(const CalibratedLink& l) {
 }  // namespace
 
 std::string to_json(const AxesCalibration& r) {
-  Json out = head("axis", r.status, r.reason);
+  Json out = calibration_json_head("axis", r.status, r.reason);
   out["source"] = r.source;
   out["frames"] = r.frames;
   out["used_frames"] = r.used_frames;
@@ -90,7 +92,7 @@ std::string to_json(const AxesCalibration& r) {
 }
 
 std::string to_json(const RemoteCenter& r) {
-  Json out = head("rcm", r.status, r.reason);
+  Json out = calibration_json_head("rcm", r.status, r.reason);
   out["source"] = r.source;
   out["body"] = r.body;
   out["frames"] = r.frames;
@@ -114,9 +116,8 @@ std::string to_json(const RemoteCenter& r) {
   return json_text(out);
 }
 
-std::string to_json(const LinksCalibration& r, const std::string& model_file,
-                    const std::string& comparison) {
-  Json out = head("links", r.status, r.reason);
+std::string to_json(const LinksCalibration& r, const std::string& model_file, const std::string& comparison) {
+  Json out = calibration_json_head("links", r.status, r.reason);
   out["robot"] = r.robot;
   out["source"] = r.source;
   out["frame"] = r.frame;
@@ -161,7 +162,7 @@ std::string to_json(const LinksCalibration& r, const std::string& model_file,
 }
 
 std::string to_json(const HandEye& r) {
-  Json out = head("handeye", r.status, r.reason);
+  Json out = calibration_json_head("handeye", r.status, r.reason);
   out["pairs"] = r.pairs;
   out["outliers"] = r.outliers;
   out["swing_deg"] = json_list(r.swing);

@@ -20,7 +20,8 @@ constexpr int kBins = 40;
 constexpr double kWidest = 4.0;  // range of a histogram to either side, in standard deviations
 constexpr std::size_t kMostPoints = 1500;  // points of a drawing
 
-Json series_head(const std::string& command, const std::string& title, const std::string& facts,
+// Data of a page, with an empty drawing.
+Json page_series(const std::string& command, const std::string& title, const std::string& facts,
                  const std::string& verdict) {
   Json out = series_of(command);
   out["title"] = title;
@@ -32,6 +33,7 @@ Json series_head(const std::string& command, const std::string& title, const std
   return out;
 }
 
+// Draws at most 1500 of these points.
 void add_points(Json& series, const std::string& name, const std::vector<Eigen::Vector3d>& at) {
   Json points = Json::array();
   const std::size_t step = at.size() / kMostPoints + 1;
@@ -42,11 +44,10 @@ void add_points(Json& series, const std::string& name, const std::vector<Eigen::
 void add_frame(Json& series, const std::string& name, const Eigen::Isometry3d& T) {
   Json axes = Json::array();
   for (int c = 0; c < 3; ++c) axes.push_back(json_list(VectorXd(T.linear().col(c))));
-  series["space"]["frames"].push_back(
-      {{"name", name}, {"origin", json_list(T.translation())}, {"axes", axes}});
+  series["space"]["frames"].push_back({{"name", name}, {"origin", json_list(T.translation())}, {"axes", axes}});
 }
 
-// Signed errors are centred at zero; magnitudes start at zero.
+// Adds a histogram of values * scale, in `unit`. Signed errors are centred at zero; magnitudes start at zero.
 void add_histogram(Json& series, const std::string& name, const std::string& unit,
                    const std::vector<double>& values, double scale) {
   if (values.empty()) return;
@@ -71,14 +72,14 @@ void add_histogram(Json& series, const std::string& name, const std::string& uni
                                   {"counts", counts}});
 }
 
-std::string page(const Json& series, const std::string& result, const std::string& report) {
+std::string html_of(const Json& series, const std::string& result, const std::string& report) {
   return html_page(series["title"].get<std::string>(), result, series, report, calibration_file("script.js"));
 }
 
 }  // namespace
 
 std::string to_page(const AxesCalibration& r, const std::string& command) {
-  Json series = series_head(
+  Json series = page_series(
       command, "Axes of rotation", r.source,
       fmt::format("{} axes of rotation and {} links between them.", r.axes.size(), r.links.size()));
   for (const auto& [name, shape] : r.shapes) {
@@ -94,11 +95,11 @@ std::string to_page(const AxesCalibration& r, const std::string& command) {
                                         {"to", json_list(VectorXd(a.point + half))}});
   }
   add_histogram(series, "Coordinates of markers", "mm", r.residuals, 1e3);
-  return page(series, to_json(r), r.report());
+  return html_of(series, to_json(r), r.report());
 }
 
 std::string to_page(const RemoteCenter& r, const std::string& command) {
-  Json series = series_head(command, "Remote centre", r.source,
+  Json series = page_series(command, "Remote centre", r.source,
                             fmt::format("The remote centre from {} frames.", r.frames));
   std::vector<Eigen::Vector3d> track;
   std::vector<double> errors[3];
@@ -113,11 +114,10 @@ std::string to_page(const RemoteCenter& r, const std::string& command) {
   add_frame(series, "remote centre", centre);
   for (int c = 0; c < 3; ++c)
     add_histogram(series, std::string("Along ") + "xyz"[c], "mm", errors[c], 1e3);
-  return page(series, to_json(r), r.report());
+  return html_of(series, to_json(r), r.report());
 }
 
-std::string to_page(const LinksCalibration& r, const std::string& command,
-                    const std::string& comparison) {
+std::string to_page(const LinksCalibration& r, const std::string& command, const std::string& comparison) {
   std::string verdict = "Many constants differ from the file.";
   if (r.explained) {
     verdict = r.named.empty() ? "No constant differs from the file." : "Wrong in the file: ";
@@ -127,7 +127,7 @@ std::string to_page(const LinksCalibration& r, const std::string& command,
     }
     if (!r.named.empty()) verdict += ".";
   }
-  Json series = series_head(command, r.robot + ": constants from poses", r.source, verdict);
+  Json series = page_series(command, r.robot + ": constants from poses", r.source, verdict);
   add_points(series, r.frame, r.positions);
   add_frame(series, "base", r.base);
   if (r.model && r.joints.rows() > 1) {
@@ -139,11 +139,11 @@ std::string to_page(const LinksCalibration& r, const std::string& command,
   }
   add_histogram(series, "Positions", "mm", r.residuals, 1e3);
   add_histogram(series, "Orientations", "deg", r.residual_angles, kDegrees);
-  return page(series, to_json(r, "", comparison), r.report());
+  return html_of(series, to_json(r, "", comparison), r.report());
 }
 
 std::string to_page(const HandEye& r, const std::string& command) {
-  Json series = series_head(command, "Pose between two bases", name_of(r.form),
+  Json series = page_series(command, "Pose between two bases", name_of(r.form),
                             fmt::format("The pose of B in A, from {} pairs.", r.pairs));
   add_frame(series, "A", Eigen::Isometry3d::Identity());
   add_frame(series, "B", r.transform);
@@ -151,7 +151,7 @@ std::string to_page(const HandEye& r, const std::string& command) {
   for (const Eigen::Vector3d& e : r.residuals) lengths.push_back(e.norm());
   add_histogram(series, "Positions", "mm", lengths, 1e3);
   if (r.rms_angle > 0.0) add_histogram(series, "Orientations", "deg", r.residual_angles, kDegrees);
-  return page(series, to_json(r), r.report());
+  return html_of(series, to_json(r), r.report());
 }
 
 }  // namespace veridyn

@@ -29,12 +29,12 @@ struct LoadCellCalibration {
 /// @param force, raw  (readings) [N], [counts].
 /// @throws InvalidInput  fewer than two different forces, lists of different lengths, or identical
 /// readings.
-LoadCellCalibration calibrate_load_cell(const std::vector<double>& force,
-                                        const std::vector<double>& raw);
+LoadCellCalibration calibrate_load_cell(const std::vector<double>& force, const std::vector<double>& raw);
 
-/// YAML with offset, scale and the intervals. @throws InvalidInput  the file is missing or
+/// Reads YAML with offset [counts], scale [N/count] and intervals. @throws InvalidInput  the file is missing or
 /// malformed.
 LoadCellCalibration read_load_cell(const std::string& path);
+/// YAML text that read_load_cell() reads.
 std::string load_cell_text(const LoadCellCalibration& calibration);
 
 /// Data format of a converter.
@@ -55,6 +55,7 @@ class LoadCellDecoder {
 
   /// Processes one byte. @returns true if it completes a reading, which raw() then returns.
   bool add_byte(std::uint8_t byte) noexcept;
+  /// [counts] latest reading.
   double raw() const { return raw_; }
   long rejected_readings() const { return refused_; }  ///< lines or frames that were no readings
 

@@ -103,8 +103,9 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine = "
 /// Writes rows as CSV, atomically: t, q1.., dq1.., tau1.. of all arms one after the other, then
 /// tips and forces by name.
 void write_scenario_rows(const ScenarioRun& run, const std::string& path);
-/// The header of that file and its row k, without line ends.
+/// The header of that file, without line end.
 std::string scenario_row_names(const ScenarioRun& run);
+/// Row k of that file, from 0, without line end.
 std::string scenario_row(const ScenarioRun& run, Eigen::Index k);
 
 }  // namespace veridyn

@@ -33,8 +33,9 @@ struct ScenarioSweepResult {
   std::vector<SweepPoint> points;  ///< stiffness runs fastest, then delay, then rate
   double seconds = 0.0;
 
+  /// The point at these indices, from 0, of the lists above.
   const SweepPoint& at(std::size_t stiffness, std::size_t delay, std::size_t rate) const;
-  /// The largest delay of the grid up to which all delays are stable, for one stiffness and rate; -1: none.
+  /// [s] The largest delay of the grid up to which all delays are stable, at these indices from 0; -1: none.
   double stable_delay(std::size_t stiffness, std::size_t rate) const;
   /// [J] largest generated energy at any stable point.
   double largest_generated_where_stable() const;

@@ -21,8 +21,7 @@ const std::vector<StabilityParameter>& stability_parameters();
 /// @throws InvalidInput  no such parameter, or a value out of range.
 Scenario with_parameter(const Scenario& scenario, const std::string& name, double value);
 
-/// Value of the parameter, of the first member where members differ. @throws InvalidInput  as
-/// above.
+/// Value of the parameter; where members differ, that of the first. @throws InvalidInput  no such parameter.
 double parameter(const Scenario& scenario, const std::string& name);
 
 /// Values from `from` to `to`, linearly or logarithmically spaced as the parameter requires.
@@ -120,6 +119,7 @@ struct StabilityMap {
   std::vector<char> stable;
   double seconds = 0.0;
 };
+/// @param threads  0: one per core.
 StabilityMap map_stability(const Scenario& scenario, const ParameterRange& a,
                            const ParameterRange& b, int threads = 0);
 
@@ -195,6 +195,7 @@ struct StabilityModelOptions {
   std::vector<double> pose;  ///< joints; empty: the middle of their ranges
   double stiffness = 2450.0, damping = 2.0;  ///< [N/m], [N s/m] of the wall
 };
+/// @param model  path of an identified model. @throws InvalidInput  as read_model(), or no such frame.
 Scenario contact_scenario(const std::string& model, const StabilityModelOptions& options);
 
 /// Reads a scenario file, or an identified model by contact_scenario(). @throws InvalidInput  the file is

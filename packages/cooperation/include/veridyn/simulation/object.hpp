@@ -35,7 +35,7 @@ struct Member {
 constexpr double kRigidStiffness = 2e5;  ///< [N/m]
 constexpr double kRigidDamping = 60.0;   ///< [N s/m]
 
-/// [N], positive when the member pulls its ends together; zero where it is detached or slack.
+/// Force of a member [N] at a length [m] and its rate [m/s], positive when the member pulls its ends together; zero where it is detached or slack.
 double tension(const Member& member, double length, double rate) noexcept;
 
 /// Stored energy at that length [J].
@@ -53,7 +53,7 @@ struct Wall {
   Attachment touches;
 };
 
-/// Contact force along the normal [N].
+/// Contact force along the normal [N] at a depth [m] below the plane and its rate [m/s].
 double contact_force(const Wall& wall, double depth, double rate) noexcept;
 /// Contact force on a point that moves [N], in the world: along the normal, and against its motion
 /// along the plane.

@@ -71,14 +71,14 @@ class World {
   };
   const MemberState& member(int index) const;
 
-  /// Releases a member, or attaches it with a new rest length [m] above zero.
-  void detach(int member);
+  void detach(int member);  ///< releases a member
+  /// Attaches a released member with a new rest length [m] above zero.
   void attach(int member, double rest_length);
 
   /// Force of a body's grasp on the arm that holds it, in the world [N].
   Eigen::Vector3d grasp_force(int body, int grasp) const;
   HeldBody body(int index) const;  ///< present pose and velocity
-  Eigen::Vector3d body_velocity(int index) const;
+  Eigen::Vector3d body_velocity(int index) const;  ///< [m/s] velocity of its centre in the world
   Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] angular velocity in the world
 
   /// Work of the arms on all objects since set_state() [J].

@@ -38,7 +38,8 @@ struct LoadcellRequest {
   CommonOptions common;
 };
 
-double now() {
+// [s] on a steady clock.
+double steady_seconds() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
 }
 
@@ -46,7 +47,8 @@ struct Readings {
   std::vector<double> force, raw;
 };
 
-Readings read_file(const LoadcellRequest& request) {
+// Forces [N], from masses if the file has them, and readings [counts].
+Readings read_readings_file(const LoadcellRequest& request) {
   const ColumnFile file =
       read_columns(request.readings, "readings as CSV: mass,raw [kg, counts] or force,raw [N, counts]");
   const bool mass = file.find("mass") >= 0;
@@ -60,8 +62,8 @@ Readings read_file(const LoadcellRequest& request) {
   return out;
 }
 
-// Reads one weight after the other, with a prompt for each.
-Readings read_source(const LoadcellRequest& request) {
+// Prompts for each of the weights and reads the source meanwhile. Throws InvalidInput without a reading.
+Readings read_weights_from_source(const LoadcellRequest& request) {
   const std::unique_ptr<ForceSource> source = open_force_source(request.source);
   Readings out;
   for (const double mass : request.weights) {
@@ -71,9 +73,9 @@ Readings read_source(const LoadcellRequest& request) {
             "standard input: ended before all weights were read.");
     while (source->poll() > 0) {  // readings between the prompts are discarded
     }
-    const double end = now() + request.seconds;
+    const double end = steady_seconds() + request.seconds;
     int taken = 0;
-    while (now() < end) {
+    while (steady_seconds() < end) {
       while (source->poll() > 0) {
         out.force.push_back(mass * request.gravity);
         out.raw.push_back(source->raw());
@@ -87,7 +89,7 @@ Readings read_source(const LoadcellRequest& request) {
   return out;
 }
 
-// Two weights determine a line without a residual.
+// Two weights determine a line without a residual, whose interval needs more readings.
 std::string calibration_report(const LoadCellCalibration& found, std::size_t readings) {
   if (!std::isfinite(found.offset_interval) || !std::isfinite(found.scale_interval)) {
     return fmt::format("{} weights, {} readings: offset {:.1f} counts, scale {:.6g} N per count; no "
@@ -113,7 +115,7 @@ ExitStatus calibrate(const LoadcellRequest& request) {
     throw CLI::ValidationError("calibrate", "expected a file of readings, or --source and --weights.");
   expect_value(!live || request.weights.size() >= 2, "--weights", "found ", request.weights.size(),
                ", expected two or more with --source.");
-  const Readings readings = live ? read_source(request) : read_file(request);
+  const Readings readings = live ? read_weights_from_source(request) : read_readings_file(request);
   const LoadCellCalibration found = [&] {
     try {
       return calibrate_load_cell(readings.force, readings.raw);
@@ -199,8 +201,8 @@ ExitStatus read(const LoadcellRequest& request) {
   const ForceChannelOptions options = channel_options(request);
   ForceChannel channel(open_force_source(request.source), options);
   ReadingTally tally;
-  const double begun = now();
-  for (double t = begun, before = begun; t - begun < request.seconds; before = t, t = now()) {
+  const double begun = steady_seconds();
+  for (double t = begun, before = begun; t - begun < request.seconds; before = t, t = steady_seconds()) {
     const ForceReading reading = channel.update(t);
     tally.add_reading(t - begun, t - before, reading, channel);
     std::this_thread::sleep_for(std::chrono::duration<double>(kPollPeriod));
@@ -242,8 +244,7 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
 
 void add_read(CLI::App& parent, Outcome& outcome) {
   const auto request = std::make_shared<LoadcellRequest>();
-  CLI::App& command =
-      *parent.add_subcommand("read", "Show readings, and whether the sensor is alive");
+  CLI::App& command = *parent.add_subcommand("read", "Show readings, and whether the sensor is alive");
   add_value(command, "SOURCE", request->source,
             "serial:DEVICE[:BAUD][:text|binary] or udp:[ADDRESS:]PORT[:text|binary]")
       ->required();
@@ -259,8 +260,7 @@ void add_read(CLI::App& parent, Outcome& outcome) {
             "Between two readings [N]: one that is farther off waits for a second that agrees with "
             "it (a tenth of the range)",
             CLI::PositiveNumber);
-  add_value(command, "--silence MS", request->silence, "After which it is dead [ms] (15)",
-            CLI::PositiveNumber);
+  add_value(command, "--silence MS", request->silence, "After which it is dead [ms] (15)", CLI::PositiveNumber);
   add_value(command, "--stuck MS", request->stuck,
             "Of equal readings, after which it is stuck [ms] (15); 0: never",
             CLI::NonNegativeNumber);

@@ -43,7 +43,8 @@ std::string teleoperation_json(const dvrk::TeleoperationRun& run) {
   return json_text(out);
 }
 
-dvrk::CooperatingArm board_arm(const std::string& config) {
+// Arm by the path of its configuration, or the nominal one of a known arm.
+dvrk::CooperatingArm read_cooperating_arm(const std::string& config) {
   dvrk::CooperatingArm out;
   std::error_code ignored;
   const std::vector<std::string> known = dvrk::arm_names();
@@ -58,7 +59,8 @@ dvrk::CooperatingArm board_arm(const std::string& config) {
   return out;
 }
 
-void place(const std::string& host, dvrk::CooperatingArm& arm) {
+// Sets host and port from "HOST[:PORT]"; throws a usage error for another form.
+void set_address(const std::string& host, dvrk::CooperatingArm& arm) {
   const auto colon = host.rfind(':');
   arm.host = host.substr(0, colon);
   if (colon == std::string::npos) return;
@@ -69,11 +71,12 @@ void place(const std::string& host, dvrk::CooperatingArm& arm) {
   arm.port = static_cast<std::uint16_t>(port);
 }
 
+// Options of the run; the arms of the request are appended to `arms`.
 dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const Scenario& scenario,
                                             std::vector<dvrk::CooperatingArm>& arms) {
-  for (const std::string& config : request.configs) arms.push_back(board_arm(config));
+  for (const std::string& config : request.configs) arms.push_back(read_cooperating_arm(config));
   for (std::size_t k = 0; k < request.hosts.size() && k < arms.size(); ++k)
-    place(request.hosts[k], arms[k]);
+    set_address(request.hosts[k], arms[k]);
   dvrk::BoardCooperationOptions options;
   if (request.emulate) options.emulate = dvrk::emulate_boards;
   options.force_sources = request.sensors;
@@ -127,8 +130,7 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
   std::vector<dvrk::CooperatingArm> arms;
   const dvrk::BoardCooperationOptions options = board_options(request, scenario.scenario, arms);
   catch_signals();
-  const dvrk::TeleoperationRun done =
-      dvrk::teleoperate_on_boards(scenario, arms, options, stop_requested());
+  const dvrk::TeleoperationRun done = dvrk::teleoperate_on_boards(scenario, arms, options, stop_requested());
   if (!output.empty()) dvrk::write_rows(done, output);
   if (!common.json.empty()) write_file(common.json, teleoperation_json(done));
   std::cout << done.report();
@@ -140,8 +142,7 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
 void add_boards_options(CLI::App& command, BoardsRequest& request) {
   add_value(command, "--boards IO...", request.configs,
             "Run on dVRK boards: a configuration (XML, JSON, or PSM1, ...) for each arm");
-  add_value(command, "--board-hosts HOST[:PORT]...", request.hosts,
-            "Address of the boards of each arm");
+  add_value(command, "--board-hosts HOST[:PORT]...", request.hosts, "Address of the boards of each arm");
   command.add_flag("--emulate", request.emulate,
                    "Emulate the boards over UDP; the emulated arms hold the scenario's object");
   add_value(command, "--force-sensor SOURCE...", request.sensors,
@@ -170,7 +171,7 @@ LiveOptions live_options(const LiveRequest& request) {
   return options;
 }
 
-LiveReport live_report() {
+LiveReport printing_live_report() {
   LiveReport tell;
   tell.state = [](const std::string& line) { std::cout << line << std::endl; };
   tell.refused = [](const std::string& line) { print_message(line); };
@@ -186,7 +187,7 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
   expect_value(request.emulate || request.hosts.size() == scenario.arms.size(), "--board-hosts",
                "found ", request.hosts.size(), ", expected one for each of ", scenario.arms.size(),
                " arms, or --emulate.");
-  for (const std::string& line : made_up_values(scenario))
+  for (const std::string& line : assumed_values(scenario))
     if (!common.quiet) print_message(line);
   if (is_teleoperation(path)) {
     expect_value(live.line.empty(), "--live", "found a teleoperation: a hand leads it.");
@@ -199,12 +200,11 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
     line = open_line(live);
     options.lines = line.get();
     options.live = live_options(live);
-    options.live_report = live_report();
+    options.live_report = printing_live_report();
   }
   options.rows = output;
   catch_signals();
-  const dvrk::BoardCooperationRun done =
-      dvrk::run_on_boards(scenario, arms, options, stop_requested());
+  const dvrk::BoardCooperationRun done = dvrk::run_on_boards(scenario, arms, options, stop_requested());
   if (!output.empty()) write_scenario_rows(done.run, output);
   if (!common.json.empty()) write_file(common.json, boards_json(done, scenario));
   if (!common.report.empty())

@@ -25,12 +25,14 @@ struct LiveRequest {
   std::string line;  ///< "-" or "udp:..."; empty: the scenario's phases
   double pace = 1.0, silence = 0.5;
 };
+/// Opens the source of lines; a usage error of --live if it cannot be opened.
 std::unique_ptr<LineSource> open_line(const LiveRequest& request);
 LiveOptions live_options(const LiveRequest& request);
-LiveReport live_report();
+LiveReport printing_live_report();  ///< prints states to standard output, refused lines as messages
 
 void add_boards_options(CLI::App& command, BoardsRequest& request);
 
+/// Runs the scenario, or live commands, on boards and writes the requested files.
 ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live, const Scenario& scenario,
                       const std::string& path, const CommonOptions& common,
                       const std::string& output, const std::string& command_line);

@@ -36,11 +36,12 @@ struct CooperateRequest {
 
 void report_assumed_values(const CooperateRequest& request, const Scenario& scenario) {
   if (request.common.quiet) return;
-  for (const std::string& line : made_up_values(scenario)) print_message(line);
+  for (const std::string& line : assumed_values(scenario)) print_message(line);
 }
 
+// Prints the report and writes the requested JSON and page.
 template <typename Result>
-void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
+void write_results(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
   report_assumed_values(request, scenario);  // after the run, so that an error prints only one line
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
@@ -52,11 +53,11 @@ void write(const CooperateRequest& request, const Result& done, const Scenario& 
 // A sweep whose finished points survive a kill. Points that ended early are not stored: they take little
 // time.
 ScenarioSweepResult run_sweep(const CooperateRequest& request, const Scenario& scenario,
-                              const std::function<void(double)>& told) {
+                              const std::function<void(double)>& progress) {
   SweepOptions options;
   options.engine = request.engine;
   options.threads = request.common.threads;
-  options.progress = told;
+  options.progress = progress;
   if (request.resume.empty()) return sweep_scenario(scenario, options);
   std::string depends_on = text(VERIDYN_VERSION, "\n", request.engine, "\n", sha256_of_file(request.scenario));
   for (const ScenarioArm& arm : scenario.arms)
@@ -85,7 +86,7 @@ ExitStatus run_live_lines(const CooperateRequest& request) {
   const std::unique_ptr<LineSource> lines = open_line(request.live);
   LiveOptions options = live_options(request.live);
   options.engine = request.engine;
-  const LiveRun done = run_live(scenario, *lines, options, live_report());
+  const LiveRun done = run_live(scenario, *lines, options, printing_live_report());
   std::cout << done.report();
   const bool sound = done.status == StepStatus::kOk && done.state == CooperativeState::kTracking;
   return sound && !done.lost ? kDone : kDataCannotAnswer;
@@ -118,16 +119,16 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
           ": found a teleoperation, which runs on boards alone: expected --boards, with --emulate "
           "for emulated ones.");
   const Progress bar = progress(request.common);
-  const auto told = [&](double share) {
+  const auto progress = [&](double share) {
     if (bar) bar("cooperating", share);
   };
   if (request.sweep) {
-    write(request, run_sweep(request, scenario, told), scenario, command);
+    write_results(request, run_sweep(request, scenario, progress), scenario, command);
     return kDone;
   }
-  const ScenarioRun done = run_scenario(scenario, request.engine, told);
+  const ScenarioRun done = run_scenario(scenario, request.engine, progress);
   if (!request.output.empty()) write_scenario_rows(done, request.output);
-  write(request, done, scenario, command);
+  write_results(request, done, scenario, command);
   return done.met() ? kDone : kDataCannotAnswer;
 }
 

@@ -25,11 +25,10 @@ struct StabilityRequest {
   CommonOptions common;
 };
 
-// Applies an option such as "stiffness=1e4".
-Scenario changed(Scenario scenario, const std::string& word) {
+// The scenario with a setting such as "stiffness=1e4"; a usage error of --set for another form.
+Scenario with_setting(Scenario scenario, const std::string& word) {
   const auto equals = word.find('=');
-  expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word,
-               "', expected NAME=VALUE.");
+  expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word, "', expected NAME=VALUE.");
   const std::optional<double> value = number_in(word.substr(equals + 1));
   expect_value(value && std::isfinite(*value), "--set", "found '", word,
                "', expected NAME=VALUE with a number.");
@@ -40,7 +39,8 @@ struct Ranges {
   std::optional<ParameterRange> a, b, locus;
 };
 
-Ranges ranges(const StabilityRequest& request) {
+// Ranges of --map and --locus.
+Ranges parsed_ranges(const StabilityRequest& request) {
   Ranges out;
   if (!request.map.empty()) {
     const auto comma = request.map.find(',');
@@ -58,13 +58,13 @@ Ranges ranges(const StabilityRequest& request) {
 
 ExitStatus run(const StabilityRequest& request, const std::string& command) {
   require_writable(request.common.json, request.common.report);
-  const Ranges asked = ranges(request);
+  const Ranges asked = parsed_ranges(request);
   StabilityModelOptions of_model;
   of_model.frame = request.frame;
   of_model.pose = request.pose;
   Scenario scenario = read_scenario_or_model(request.scenario, of_model);
-  for (const std::string& word : request.set) scenario = changed(std::move(scenario), word);
-  for (const std::string& line : made_up_values(scenario)) {
+  for (const std::string& word : request.set) scenario = with_setting(std::move(scenario), word);
+  for (const std::string& line : assumed_values(scenario)) {
     if (!request.common.quiet) print_message(line);
   }
   const Progress bar = progress(request.common);

@@ -48,7 +48,7 @@ double ForceChannel::delay() const {
   return options_.latency + filter;
 }
 
-// Accepts a large step only if the next reading confirms it.
+// False for a force beyond the range, or a step that a second reading has not yet confirmed; counts both.
 bool ForceChannel::is_accepted(double force) noexcept {
   beyond_ = !(std::abs(force) <= options_.range) || !std::isfinite(force);
   if (beyond_) {
@@ -63,7 +63,7 @@ bool ForceChannel::is_accepted(double force) noexcept {
   return agrees;
 }
 
-// Counts usable and unusable data in consecutive windows.
+// Counts usable and unusable data in consecutive windows, and sets noisy_.
 void ForceChannel::count_readings(long good, long bad) noexcept {
   good_ += good;
   bad_ += bad;
@@ -74,6 +74,7 @@ void ForceChannel::count_readings(long good, long bad) noexcept {
   good_ = bad_ = 0;
 }
 
+// Processes the latest of `fresh` readings, which arrived at time `at` [s].
 void ForceChannel::accept_readings(int fresh, double at) noexcept {
   const double raw = source_->raw();
   const double force = options_.calibration.scale * (raw - options_.calibration.offset);

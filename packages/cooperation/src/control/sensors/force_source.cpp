@@ -17,7 +17,7 @@ namespace {
 constexpr int kMostReads = 64;         // largest number of reads per poll, to bound its time
 constexpr double kOwnersSilence = 1.0;  // [s] silence of a sender after which the port accepts another one
 
-[[noreturn]] void refuse(const std::string& name) {
+[[noreturn]] void throw_unknown_source(const std::string& name) {
   throw InvalidInput(text("found the force source '", name,
                           "', expected serial:DEVICE[:BAUD][:text|binary] or "
                           "udp:[ADDRESS:]PORT[:text|binary]."));
@@ -26,13 +26,14 @@ constexpr double kOwnersSilence = 1.0;  // [s] silence of a sender after which t
 LoadCellFormat format_of(const std::string& word, const std::string& name) {
   if (word == "text") return LoadCellFormat::kText;
   if (word == "binary") return LoadCellFormat::kBinary;
-  refuse(name);
+  throw_unknown_source(name);
 }
 
-int integer_in(const std::string& word, int least, int most, const std::string& name) {
+// Whole number from `least` to `most`; throws InvalidInput for other words.
+int parse_integer(const std::string& word, int least, int most, const std::string& name) {
   char* end = nullptr;
   const long value = std::strtol(word.c_str(), &end, 10);
-  if (word.empty() || *end != '\0' || value < least || value > most) refuse(name);
+  if (word.empty() || *end != '\0' || value < least || value > most) throw_unknown_source(name);
   return static_cast<int>(value);
 }
 
@@ -44,12 +45,12 @@ class UdpForceSource final : public ForceSource {
   }
 
   int poll() noexcept override {
-    if (bytes_.reading()) return 1;
+    if (bytes_.decode_reading()) return 1;
     UdpPort::Datagram got;
     for (int k = 0; k < kMostReads && port_.receive(bytes_.buffer(), bytes_.size(), got); ++k) {
       lay_ = got.lay;
-      bytes_.filled(got.size, text_);
-      if (bytes_.reading()) return 1;
+      bytes_.set_filled(got.size, text_);
+      if (bytes_.decode_reading()) return 1;
     }
     return 0;
   }
@@ -65,7 +66,8 @@ class UdpForceSource final : public ForceSource {
 };
 
 #ifdef VERIDYN_WITH_SERIALPORT
-bool is_known(const std::string& device) {
+// True if libserialport lists the device.
+bool is_listed_port(const std::string& device) {
   sp_port* port = nullptr;
   if (sp_get_port_by_name(device.c_str(), &port) != SP_OK) return false;
   sp_free_port(port);
@@ -113,10 +115,9 @@ class SerialForceSource final : public ForceSource {
 };
 #endif
 
-std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud,
-                                         LoadCellFormat format) {
+std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud, LoadCellFormat format) {
 #ifdef VERIDYN_WITH_SERIALPORT
-  if (is_known(device)) return std::make_unique<SerialForceSource>(device, baud, format);
+  if (is_listed_port(device)) return std::make_unique<SerialForceSource>(device, baud, format);
 #endif
   return open_terminal_line(device, baud, format);
 }
@@ -125,22 +126,22 @@ std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud,
 
 std::unique_ptr<ForceSource> open_force_source(const std::string& name) {
   const std::vector<std::string> parts = split(name, ':');
-  if (parts.size() < 2 || parts[1].empty()) refuse(name);
+  if (parts.size() < 2 || parts[1].empty()) throw_unknown_source(name);
   LoadCellFormat format = LoadCellFormat::kText;
   if (parts[0] == "udp") {
     const bool has_address = parts[1].find('.') != std::string::npos;
     const std::size_t port = has_address ? 2 : 1;
-    if (parts.size() <= port || parts.size() > port + 2) refuse(name);
+    if (parts.size() <= port || parts.size() > port + 2) throw_unknown_source(name);
     if (parts.size() == port + 2) format = format_of(parts[port + 1], name);
-    integer_in(parts[port], 1, 65535, name);
+    parse_integer(parts[port], 1, 65535, name);
     return std::make_unique<UdpForceSource>((has_address ? parts[1] + ":" : "") + parts[port], format);
   }
-  if (parts[0] != "serial" || parts.size() > 4) refuse(name);
+  if (parts[0] != "serial" || parts.size() > 4) throw_unknown_source(name);
   int baud = 115200;
   for (std::size_t k = 2; k < parts.size(); ++k) {
     const bool digits = !parts[k].empty() && parts[k][0] >= '0' && parts[k][0] <= '9';
     if (digits) {
-      baud = integer_in(parts[k], 300, 4000000, name);
+      baud = parse_integer(parts[k], 300, 4000000, name);
     } else {
       format = format_of(parts[k], name);
     }

@@ -18,8 +18,8 @@ bool is_field_separator(char c) {
   return is_blank(c) || c == ',' || c == ';' || c == ':' || c == '=';
 }
 
-// A field that consists of one decimal number: not "nan", "inf", "0x1F" or "3.2N".
-bool field_number(const char* begin, const char* end, double& out) {
+// True if the field is one decimal number, not "nan", "inf", "0x1F" or "3.2N"; `out` is set to it.
+bool parse_field(const char* begin, const char* end, double& out) {
   char number[48] = {};
   const auto length = static_cast<std::size_t>(end - begin);
   if (length == 0 || length >= sizeof(number)) return false;
@@ -39,14 +39,14 @@ bool is_reading_prefix(const char* begin, const char* end) {
     const char* field = end;
     while (field > begin && !is_field_separator(field[-1])) --field;
     double ignored = 0.0;
-    if (field < end && !field_number(field, end, ignored)) return false;
+    if (field < end && !parse_field(field, end, ignored)) return false;
     end = field > begin && field[-1] != ':' && field[-1] != '=' ? field - 1 : field;
   }
   return true;
 }
 
-// The last field of a line with printable bytes only.
-bool reading_of_line(const char* line, std::size_t length, double& out) {
+// True if a line with printable bytes ends with a number after an allowed prefix; `out` is set to it.
+bool parse_reading(const char* line, std::size_t length, double& out) {
   for (std::size_t k = 0; k < length; ++k) {
     const auto c = static_cast<unsigned char>(line[k]);
     if ((c < 32 && c != '\t') || c > 126) return false;
@@ -56,7 +56,7 @@ bool reading_of_line(const char* line, std::size_t length, double& out) {
   const char* field = end;
   while (field > line && !is_field_separator(field[-1])) --field;
   double value = 0.0;
-  if (!field_number(field, end, value) || !is_reading_prefix(line, field)) return false;
+  if (!parse_field(field, end, value) || !is_reading_prefix(line, field)) return false;
   out = value;
   return true;
 }
@@ -93,7 +93,7 @@ bool LoadCellDecoder::decode_text(std::uint8_t byte) noexcept {
   overlong_ = false;
   begun_ = true;
   if (length == 0) return false;
-  if (sound && reading_of_line(line_.data(), length, raw_)) return true;
+  if (sound && parse_reading(line_.data(), length, raw_)) return true;
   if (whole) ++refused_;
   return false;
 }

@@ -13,6 +13,7 @@
 namespace veridyn {
 namespace {
 
+// Speed of the terminal interface; throws InvalidInput if it has none for this rate [1/s].
 speed_t speed_of(int baud, const std::string& device) {
   static constexpr struct {
     int baud;
@@ -76,8 +77,7 @@ class TerminalLine final : public ForceSource {
 
 }  // namespace
 
-std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud,
-                                                LoadCellFormat format) {
+std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud, LoadCellFormat format) {
   return std::make_unique<TerminalLine>(device, baud, format);
 }
 

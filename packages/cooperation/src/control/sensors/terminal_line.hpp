@@ -9,21 +9,21 @@
 
 namespace veridyn {
 
-/// Bytes between the system and the decoder, which returns one reading at a time.
+/// Bytes between the system and the decoder, which returns one decode_reading at a time.
 class WaitingBytes {
  public:
   explicit WaitingBytes(LoadCellFormat format) : decoder_(format) {}
 
   std::uint8_t* buffer() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
-  /// Declares that buffer() now holds `count` bytes; `line` appends the end of a line.
-  void filled(std::size_t count, bool line = false) {
+  /// Declares that buffer() now holds `count` bytes; with `line`, the end of a line is appended.
+  void set_filled(std::size_t count, bool line = false) {
     at_ = 0;
     end_ = count;
     if (line) bytes_[end_++] = '\n';
   }
-  /// @returns false: all bytes are consumed, without another reading.
-  bool reading() {
+  /// True: the decoder completed a reading. False: all bytes are consumed, without another reading.
+  bool decode_reading() {
     while (at_ < end_) {
       if (decoder_.add_byte(bytes_[at_++])) return true;
     }
@@ -33,12 +33,12 @@ class WaitingBytes {
   /// now. At most 64 reads, to bound the time. @returns 1 if there is a reading.
   template <typename Read>
   int poll(const Read& read) {
-    if (reading()) return 1;
+    if (decode_reading()) return 1;
     for (int k = 0; k < 64; ++k) {
       const std::size_t got = read();
       if (got == 0) return 0;
-      filled(got);
-      if (reading()) return 1;
+      set_filled(got);
+      if (decode_reading()) return 1;
     }
     return 0;
   }
@@ -54,7 +54,6 @@ class WaitingBytes {
 /// A serial line through the terminal interface of the system: for devices that libserialport does not list,
 /// such as pseudo-terminals and Bluetooth lines, and for builds without that library.
 /// @throws InvalidInput  it cannot be opened, is no terminal, or does not support the speed.
-std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud,
-                                                LoadCellFormat format);
+std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud, LoadCellFormat format);
 
 }  // namespace veridyn

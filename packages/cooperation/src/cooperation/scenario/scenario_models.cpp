@@ -18,8 +18,8 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 
-// The model in the frame of the rotated base, with plausible values if the file has none.
-Model in_base(const std::string& file, const Eigen::Matrix3d& R_world_base, unsigned seed) {
+// The model of a file with the gravity of its turned base, and plausible values if the file has none.
+Model read_model_in_base(const std::string& file, const Eigen::Matrix3d& R_world_base, unsigned seed) {
   ModelDescription description = read_model(file).description();
   description.gravity = R_world_base.transpose() * description.gravity;
   return plausible_model(Model(std::move(description)), seed).arm;
@@ -53,7 +53,7 @@ Eigen::Matrix3d base_rotation(const Vector3d& turn) {
       .toRotationMatrix();
 }
 
-std::vector<std::string> made_up_values(const Scenario& scenario) {
+std::vector<std::string> assumed_values(const Scenario& scenario) {
   std::vector<std::string> out;
   for (const ScenarioArm& arm : scenario.arms) {
     for (const std::string& file : {arm.model, arm.controller_model}) {
@@ -72,15 +72,15 @@ ScenarioModels scenario_models(const Scenario& scenario, std::size_t index) {
   const ScenarioArm& arm = scenario.arms[index];
   const Eigen::Matrix3d R = base_rotation(arm.turn);
   const Eigen::Matrix3d R_known = base_rotation(arm.calibration_turn) * R;
-  Model real = in_base(arm.model, R, arm.seed);
+  Model real = read_model_in_base(arm.model, R, arm.seed);
   check_arm(arm, real);
   const bool same = arm.controller_model.empty();
-  const Model believed = same ? real : in_base(arm.controller_model, R_known, arm.seed);
-  require(believed.joints() == real.joints(), "arm '", arm.name, "': found a controller's model of ",
-          believed.joints(), " joints, expected the ", real.joints(), " of the arm.");
-  if (!same) check_arm(arm, believed);
+  const Model assumed_model = same ? real : read_model_in_base(arm.controller_model, R_known, arm.seed);
+  require(assumed_model.joints() == real.joints(), "arm '", arm.name, "': found a controller's model of ",
+          assumed_model.joints(), " joints, expected the ", real.joints(), " of the arm.");
+  if (!same) check_arm(arm, assumed_model);
   return {std::move(real),
-          with_parameter_errors(believed, scenario.model_error,
+          with_parameter_errors(assumed_model, scenario.model_error,
                                 scenario.seed + static_cast<unsigned>(index)),
           R,
           arm.position,

@@ -22,7 +22,7 @@ Eigen::Matrix3d base_rotation(const Eigen::Vector3d& turn);
 
 /// A sentence for every file of an arm or its controller without values: how many values scenario_models()
 /// chooses, and with which seed. @throws InvalidInput  a file that cannot be read.
-std::vector<std::string> made_up_values(const Scenario& scenario);
+std::vector<std::string> assumed_values(const Scenario& scenario);
 
 /// Models of arm `index` of the scenario. The true arm has the gravity of its turned base.
 /// @throws InvalidInput  the arm's model or start is invalid.

@@ -14,8 +14,7 @@ void Names::add(const std::string& name, const YamlNode& node) {
 }
 
 int Names::index(const YamlNode& node) const {
-  const std::string name =
-      node.word("the name of " + std::string(what == "arm" ? "an " : "a ") + what);
+  const std::string name = node.word("the name of " + std::string(what == "arm" ? "an " : "a ") + what);
   const auto at = std::find(all.begin(), all.end(), name);
   if (at == all.end())
     node.fail("no " + what + " " + node.found() + did_you_mean(name, all),
@@ -39,17 +38,17 @@ void check_arm(const ScenarioArm& arm, const Model& model) {
           listed(frames), ".");
 }
 
-Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit) {
+Eigen::Vector3d read_vector3(const YamlNode& node, const std::string& unit) {
   const std::vector<double> v = node.numbers(3, "three numbers [" + unit + "]");
   return {v[0], v[1], v[2]};
 }
 
-double positive_or(const YamlNode& node, const std::string& key, double otherwise) {
+double read_positive_or(const YamlNode& node, const std::string& key, double otherwise) {
   const auto value = node.find(key);
   return value ? value->positive_number() : otherwise;
 }
 
-double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise) {
+double read_nonnegative_or(const YamlNode& node, const std::string& key, double otherwise) {
   const auto value = node.find(key);
   if (!value) return otherwise;
   const double number = value->number();
@@ -57,7 +56,7 @@ double nonnegative_or(const YamlNode& node, const std::string& key, double other
   return number;
 }
 
-long whole_number(const YamlNode& node) {
+long read_whole_number(const YamlNode& node) {
   const double number = node.number();
   if (number < 0.0 || number > 4e9 || number != std::floor(number))
     node.fail(node.found(), "a whole number that is not below zero");
@@ -68,8 +67,8 @@ namespace {
 
 using Kind = ScenarioCommand::Kind;
 
-// {force: {spring: 5, other: 5}} or {force: 5} for all members.
-void add_forces(const YamlNode& node, const Names& members, double over,
+// Appends wanted forces, {force: {spring: 5, other: 5}} or {force: 5} for all members.
+void append_force_commands(const YamlNode& node, const Names& members, double over,
                 std::vector<ScenarioCommand>& out) {
   const auto add = [&](int member, const YamlNode& value) {
     ScenarioCommand c;
@@ -87,7 +86,8 @@ void add_forces(const YamlNode& node, const Names& members, double over,
     add(members.index(e.key_node), e.value);
 }
 
-void add_member_list(Kind kind, const YamlNode& node, const Names& members,
+// Appends a command of this kind for each listed member.
+void append_member_commands(Kind kind, const YamlNode& node, const Names& members,
                      std::vector<ScenarioCommand>& out) {
   for (const YamlNode& item : node.items("a list of members")) {
     ScenarioCommand c;
@@ -97,7 +97,7 @@ void add_member_list(Kind kind, const YamlNode& node, const Names& members,
   }
 }
 
-ScenarioCommand motion_command(Kind kind, double over) {
+ScenarioCommand timed_command(Kind kind, double over) {
   ScenarioCommand c;
   c.kind = kind;
   c.over = over;
@@ -118,34 +118,34 @@ ScenarioPhase read_phase(const YamlNode& node, const Names& arms, const Names& m
     if (over > phase.duration) given->fail(given->found(), "at most the phase's duration");
   }
   if (const auto list = node.find("release"))
-    add_member_list(Kind::kRelease, *list, members, phase.commands);
+    append_member_commands(Kind::kRelease, *list, members, phase.commands);
   if (const auto list = node.find("take"))
-    add_member_list(Kind::kTake, *list, members, phase.commands);
+    append_member_commands(Kind::kTake, *list, members, phase.commands);
   if (const auto way = node.find("move")) {
-    phase.commands.push_back(motion_command(Kind::kMove, over));
-    phase.commands.back().way = vector3(*way, "m");
+    phase.commands.push_back(timed_command(Kind::kMove, over));
+    phase.commands.back().way = read_vector3(*way, "m");
   }
   if (const auto turn = node.find("turn")) {
-    phase.commands.push_back(motion_command(Kind::kTurn, over));
-    phase.commands.back().way = vector3(*turn, "rad");
+    phase.commands.push_back(timed_command(Kind::kTurn, over));
+    phase.commands.back().way = read_vector3(*turn, "rad");
   }
   if (const auto by = node.find("tighten")) {
-    phase.commands.push_back(motion_command(Kind::kTighten, over));
+    phase.commands.push_back(timed_command(Kind::kTighten, over));
     phase.commands.back().amount = by->number();
   }
   if (const auto ways = node.find("move_arm")) {
     for (const YamlNode::Entry& e : ways->entries("a way for each arm")) {
-      phase.commands.push_back(motion_command(Kind::kMoveArm, over));
+      phase.commands.push_back(timed_command(Kind::kMoveArm, over));
       phase.commands.back().arm = arms.index(e.key_node);
-      phase.commands.back().way = vector3(e.value, "m");
+      phase.commands.back().way = read_vector3(e.value, "m");
     }
   }
-  if (const auto force = node.find("force")) add_forces(*force, members, over, phase.commands);
+  if (const auto force = node.find("force")) append_force_commands(*force, members, over, phase.commands);
   if (const auto ask = node.find("ask")) {
     ask->allow_keys({"force_error", "steady_error", "position_error"});
-    phase.asked_position_error = nonnegative_or(*ask, "position_error", 0.0);
-    phase.asked_force_error = nonnegative_or(*ask, "force_error", 0.0);
-    phase.asked_steady_error = nonnegative_or(*ask, "steady_error", 0.0);
+    phase.asked_position_error = read_nonnegative_or(*ask, "position_error", 0.0);
+    phase.asked_force_error = read_nonnegative_or(*ask, "force_error", 0.0);
+    phase.asked_steady_error = read_nonnegative_or(*ask, "steady_error", 0.0);
   }
   return phase;
 }
@@ -154,7 +154,7 @@ ScenarioFault read_fault(const YamlNode& node, const Names& arms, const Names& m
   node.allow_keys({"kind", "arm", "member", "at", "by", "reported"});
   using FaultKind = ScenarioFault::Kind;
   ScenarioFault fault;
-  fault.kind = choice<FaultKind>(node.at("kind"), {{"arm_limp", FaultKind::kArmLimp},
+  fault.kind = read_choice<FaultKind>(node.at("kind"), {{"arm_limp", FaultKind::kArmLimp},
                                                    {"arm_frozen", FaultKind::kArmFrozen},
                                                    {"sensor_stuck", FaultKind::kSensorStuck},
                                                    {"sensor_stale", FaultKind::kSensorStale},

@@ -20,21 +20,23 @@ struct Names {
   std::string what;  ///< "arm"
   std::vector<std::string> all;
 
+  /// Adds a name; fails at `node` if it exists.
   void add(const std::string& name, const YamlNode& node);
-  int index(const YamlNode& node) const;  ///< of the name in the node; fails at an unknown one
+  int index(const YamlNode& node) const;  ///< index of the name in the node, from 0; fails if unknown
 };
 
 /// @throws InvalidInput  the robot has other joints, limits or frames than the arm is given.
 void check_arm(const ScenarioArm& arm, const Model& model);
 
-Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit);
-double positive_or(const YamlNode& node, const std::string& key, double otherwise);  ///< number of a key above zero, or `otherwise` without the key
-double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);  ///< the same for numbers from zero on
-long whole_number(const YamlNode& node);  ///< from 0 to 4e9
+Eigen::Vector3d read_vector3(const YamlNode& node, const std::string& unit);
+/// The number above zero under `key`, or `otherwise` if the key is missing.
+double read_positive_or(const YamlNode& node, const std::string& key, double otherwise);
+double read_nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);
+long read_whole_number(const YamlNode& node);
 
 /// Reads one of several words.
 template <typename T>
-T choice(const YamlNode& node, const std::vector<std::pair<std::string, T>>& choices) {
+T read_choice(const YamlNode& node, const std::vector<std::pair<std::string, T>>& choices) {
   std::vector<std::string> names;
   for (const auto& [name, value] : choices) names.push_back(name);
   const std::string word = node.word("one of: " + listed(names));

@@ -29,7 +29,8 @@ std::string model_path(const std::string& named, const std::string& scenario) {
 // Each element has numbers in every row of the run, and states in dense matrices of the stability analysis.
 constexpr std::size_t kMostElements = 200;
 
-std::vector<YamlNode> elements(const YamlNode& list, const std::string& what) {
+// Items of a list; fails if there are more than 200.
+std::vector<YamlNode> bounded_list(const YamlNode& list, const std::string& what) {
   std::vector<YamlNode> out = list.items("a list of " + what);
   if (out.size() > kMostElements) list.fail(text(out.size(), " ", what), text("at most ", kMostElements));
   return out;
@@ -42,14 +43,14 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   ScenarioArm arm;
   arm.name = node.at("name").word("the arm's name");
   arm.model = model_path(node.at("model").word("a robot"), scenario);
-  if (const auto seed = node.find("seed")) arm.seed = static_cast<unsigned>(whole_number(*seed));
-  if (const auto position = node.find("position")) arm.position = vector3(*position, "m");
-  if (const auto turn = node.find("turn")) arm.turn = vector3(*turn, "rad");
-  if (const auto offset = node.find("offset")) arm.offset = vector3(*offset, "m");
+  if (const auto seed = node.find("seed")) arm.seed = static_cast<unsigned>(read_whole_number(*seed));
+  if (const auto position = node.find("position")) arm.position = read_vector3(*position, "m");
+  if (const auto turn = node.find("turn")) arm.turn = read_vector3(*turn, "rad");
+  if (const auto offset = node.find("offset")) arm.offset = read_vector3(*offset, "m");
   if (const auto error = node.find("calibration_error")) {
     error->allow_keys({"position", "turn"});
-    if (const auto by = error->find("position")) arm.calibration_position = vector3(*by, "m");
-    if (const auto by = error->find("turn")) arm.calibration_turn = vector3(*by, "rad");
+    if (const auto by = error->find("position")) arm.calibration_position = read_vector3(*by, "m");
+    if (const auto by = error->find("turn")) arm.calibration_turn = read_vector3(*by, "rad");
   }
   if (const auto model = node.find("controller_model"))
     arm.controller_model = model_path(model->word("a robot"), scenario);
@@ -59,7 +60,7 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   for (size_t i = 0; i < start.size(); ++i)
     arm.start[static_cast<Eigen::Index>(i)] = start[i].number();
   const YamlNode control = node.at("control");
-  arm.control = choice<ArmControl>(
+  arm.control = read_choice<ArmControl>(
       control, {{"position", ArmControl::kPosition}, {"impedance", ArmControl::kImpedance}});
   try {
     check_arm(arm, read_model(arm.model));
@@ -76,47 +77,48 @@ ScenarioControl read_control(const YamlNode& node) {
                    "largest_error", "largest_age", "stuck_force", "jump_force", "drift_force", "friction_rule",
                    "adaptive_friction", "force_cutoff", "motor_lag", "torque_delay", "guard", "largest_energy", "relief_force"});
   ScenarioControl c;
-  c.rate = positive_or(node, "rate", c.rate);
-  c.position_frequency = positive_or(node, "position_frequency", c.position_frequency);
-  if (const auto mass = node.find("mass")) c.mass = vector3(*mass, "kg");
-  if (const auto damping = node.find("damping")) c.damping = vector3(*damping, "N s/m");
-  if (const auto stiffness = node.find("stiffness")) c.stiffness = vector3(*stiffness, "N/m");
+  c.rate = read_positive_or(node, "rate", c.rate);
+  c.position_frequency = read_positive_or(node, "position_frequency", c.position_frequency);
+  if (const auto mass = node.find("mass")) c.mass = read_vector3(*mass, "kg");
+  if (const auto damping = node.find("damping")) c.damping = read_vector3(*damping, "N s/m");
+  if (const auto stiffness = node.find("stiffness")) c.stiffness = read_vector3(*stiffness, "N/m");
   if (c.mass.minCoeff() <= 0.0)
     node.at("mass").fail("a mass that is not above zero", "three masses above zero [kg]");
   if (c.stiffness.minCoeff() <= 0.0)
     node.at("stiffness").fail("a stiffness that is not above zero", "three above zero [N/m]");
   if (c.damping.minCoeff() < 0.0)
     node.at("damping").fail("a damping below zero", "three numbers that are not below zero [N s/m]");
-  c.friction = nonnegative_or(node, "friction", c.friction);
-  c.observer = nonnegative_or(node, "observer", c.observer);
+  c.friction = read_nonnegative_or(node, "friction", c.friction);
+  c.observer = read_nonnegative_or(node, "observer", c.observer);
   if (const auto rule = node.find("friction_rule"))
-    c.friction_rule = choice<FrictionRule>(*rule, {{"velocity", FrictionRule::kVelocity},
+    c.friction_rule = read_choice<FrictionRule>(*rule, {{"velocity", FrictionRule::kVelocity},
                                                    {"stick-slip", FrictionRule::kStickSlip},
                                                    {"presliding", FrictionRule::kPresliding}});
   if (const auto adaptive = node.find("adaptive_friction")) c.adaptive_friction = adaptive->flag();
   if (c.adaptive_friction && !(c.friction > 0.0))
     node.at("adaptive_friction").fail("it without friction compensation", "'friction' above zero");
-  c.force_cutoff = nonnegative_or(node, "force_cutoff", c.force_cutoff);
-  c.motor_lag = nonnegative_or(node, "motor_lag", c.motor_lag);
+  c.force_cutoff = read_nonnegative_or(node, "force_cutoff", c.force_cutoff);
+  c.motor_lag = read_nonnegative_or(node, "motor_lag", c.motor_lag);
   if (const auto delay = node.find("torque_delay")) {
-    const long cycles = whole_number(*delay);
+    const long cycles = read_whole_number(*delay);
     if (cycles > kLongestTorqueDelay) delay->fail(delay->found(), text("at most ", kLongestTorqueDelay, " cycles"));
     c.torque_delay = static_cast<int>(cycles);
   }
-  c.largest_energy = nonnegative_or(node, "largest_energy", c.largest_energy);
-  c.relief_force = positive_or(node, "relief_force", c.relief_force);
+  c.largest_energy = read_nonnegative_or(node, "largest_energy", c.largest_energy);
+  c.relief_force = read_positive_or(node, "relief_force", c.relief_force);
   if (const auto guard = node.find("guard")) c.guard = guard->flag();
-  c.velocity_cutoff = positive_or(node, "velocity_cutoff", c.velocity_cutoff);
-  c.largest_force = positive_or(node, "largest_force", c.largest_force);
-  c.largest_force_error = positive_or(node, "largest_force_error", c.largest_force_error);
-  c.largest_error = positive_or(node, "largest_error", c.largest_error);
-  c.largest_age = positive_or(node, "largest_age", c.largest_age);
-  c.stuck_force = positive_or(node, "stuck_force", c.stuck_force);
-  c.jump_force = positive_or(node, "jump_force", c.jump_force);
-  c.drift_force = positive_or(node, "drift_force", c.drift_force);
+  c.velocity_cutoff = read_positive_or(node, "velocity_cutoff", c.velocity_cutoff);
+  c.largest_force = read_positive_or(node, "largest_force", c.largest_force);
+  c.largest_force_error = read_positive_or(node, "largest_force_error", c.largest_force_error);
+  c.largest_error = read_positive_or(node, "largest_error", c.largest_error);
+  c.largest_age = read_positive_or(node, "largest_age", c.largest_age);
+  c.stuck_force = read_positive_or(node, "stuck_force", c.stuck_force);
+  c.jump_force = read_positive_or(node, "jump_force", c.jump_force);
+  c.drift_force = read_positive_or(node, "drift_force", c.drift_force);
   return c;
 }
 
+// Values of a grid, not below zero; empty if the key is missing.
 std::vector<double> read_grid(const YamlNode& node, const std::string& key) {
   std::vector<double> values;
   const auto list = node.find(key);
@@ -143,8 +145,8 @@ ScenarioSweep read_sweep(const YamlNode& node) {
 // position, in a direction that depends on the seed.
 void draw_base_errors(const YamlNode& error, Scenario& s) {
   error.allow_keys({"position", "turn"});
-  const double metres = nonnegative_or(error, "position", 0.0);
-  const double radians = nonnegative_or(error, "turn", 0.0);
+  const double metres = read_nonnegative_or(error, "position", 0.0);
+  const double radians = read_nonnegative_or(error, "turn", 0.0);
   RandomNumbers random(s.seed, 78);
   const auto direction = [&random] {
     Eigen::Vector3d v;
@@ -160,7 +162,7 @@ void draw_base_errors(const YamlNode& error, Scenario& s) {
   }
 }
 
-// Throws if a phase does not have a single cycle at this rate, or if the recorded data would not fit into
+// Fails if a phase does not have a single cycle at this rate [Hz], or if the recorded data would not fit into
 // memory.
 void require_memory(const Scenario& s, double rate, const YamlNode& node) {
   double seconds = 0.0;
@@ -178,7 +180,8 @@ void require_memory(const Scenario& s, double rate, const YamlNode& node) {
             text("fewer than ", most, " cycles, what this machine holds"));
 }
 
-Scenario read(const YamlNode& root, const std::string& path) {
+// Reads the whole scenario; fails at the node with a mistake.
+Scenario read_root(const YamlNode& root, const std::string& path) {
   if (!root.is_map() || !root.find("scenario"))
     root.fail("no key 'scenario'",
               "a scenario, which begins with 'veridyn: 1' and 'scenario: NAME'");
@@ -190,8 +193,8 @@ Scenario read(const YamlNode& root, const std::string& path) {
   Scenario s;
   s.name = root.at("scenario").word("the scenario's name");
   if (const auto source = root.find("source")) s.source = source->word("where it comes from");
-  if (const auto seed = root.find("seed")) s.seed = static_cast<unsigned>(whole_number(*seed));
-  s.model_error = nonnegative_or(root, "model_error", 0.0);
+  if (const auto seed = root.find("seed")) s.seed = static_cast<unsigned>(read_whole_number(*seed));
+  s.model_error = read_nonnegative_or(root, "model_error", 0.0);
   if (const auto encoder = root.find("encoder")) {
     s.encoder = encoder->word("a noise preset");
     const std::vector<std::string>& known = sensor_noise_names();
@@ -211,20 +214,20 @@ Scenario read(const YamlNode& root, const std::string& path) {
   if (const auto error = root.find("base_pose_error")) draw_base_errors(*error, s);
   Names members{"member", {}};
   if (const auto list = root.find("members")) {
-    for (const YamlNode& node : elements(*list, "members")) {
+    for (const YamlNode& node : bounded_list(*list, "members")) {
       s.members.push_back(read_member(node, arms));
       members.add(s.members.back().name, node.at("name"));
     }
   }
   if (const auto list = root.find("walls")) {
-    for (const YamlNode& node : elements(*list, "walls")) {
+    for (const YamlNode& node : bounded_list(*list, "walls")) {
       s.walls.push_back(read_wall(node, arms));
       members.add(s.walls.back().name, node.at("name"));
     }
     members.all.resize(s.members.size());
   }
   if (const auto list = root.find("bodies")) {
-    for (const YamlNode& node : elements(*list, "bodies"))
+    for (const YamlNode& node : bounded_list(*list, "bodies"))
       s.bodies.push_back(read_body(node, arms));
   }
   if (const auto ask = root.find("ask")) {
@@ -261,7 +264,7 @@ Scenario parse_scenario(const std::string& content, const std::string& path) {
   YamlSource source;
   source.file = path;
   source.expected = "a scenario";
-  return read(YamlNode::parse(content, source), path);
+  return read_root(YamlNode::parse(content, source), path);
 }
 
 Scenario read_scenario(const std::string& path) {

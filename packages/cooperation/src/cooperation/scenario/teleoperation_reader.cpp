@@ -12,13 +12,13 @@ TeleoperationStep read_step(const YamlNode& node, double duration) {
   node.allow_keys({"hand", "over", "clutch"});
   TeleoperationStep step;
   step.over = duration;
-  if (const auto way = node.find("hand")) step.way = vector3(*way, "m");
+  if (const auto way = node.find("hand")) step.way = read_vector3(*way, "m");
   if (const auto over = node.find("over")) {
     step.over = over->positive_number();
     if (step.over > duration) over->fail(over->found(), "at most the phase's duration");
   }
   if (const auto clutch = node.find("clutch"))
-    step.clutch = choice<bool>(*clutch, {{"in", true}, {"out", false}});
+    step.clutch = read_choice<bool>(*clutch, {{"in", true}, {"out", false}});
   return step;
 }
 
@@ -32,16 +32,16 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
   if (out.leader == out.follower)
     node.at("follower").fail("the leader again", "the other arm");
   TeleoperationOptions& o = out.options;
-  o.scale = positive_or(node, "scale", o.scale);
-  o.force_scale = nonnegative_or(node, "force_scale", o.force_scale);
-  o.largest_force = positive_or(node, "largest_force", o.largest_force);
-  o.damping = nonnegative_or(node, "damping", o.damping);
-  o.speed = positive_or(node, "speed", o.speed);
+  o.scale = read_positive_or(node, "scale", o.scale);
+  o.force_scale = read_nonnegative_or(node, "force_scale", o.force_scale);
+  o.largest_force = read_positive_or(node, "largest_force", o.largest_force);
+  o.damping = read_nonnegative_or(node, "damping", o.damping);
+  o.speed = read_positive_or(node, "speed", o.speed);
   o.period = 1.0 / out.scenario.control.rate;
   if (const auto hand = node.find("hand")) {
     hand->allow_keys({"stiffness", "damping"});
-    out.hand_stiffness = positive_or(*hand, "stiffness", out.hand_stiffness);
-    out.hand_damping = nonnegative_or(*hand, "damping", out.hand_damping);
+    out.hand_stiffness = read_positive_or(*hand, "stiffness", out.hand_stiffness);
+    out.hand_damping = read_nonnegative_or(*hand, "damping", out.hand_damping);
   }
   out.steps.resize(out.scenario.phases.size());
   const auto steps = node.find("steps");
@@ -52,8 +52,7 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
     const auto phase = std::find_if(out.scenario.phases.begin(), out.scenario.phases.end(), has_name);
     if (phase == out.scenario.phases.end() || std::any_of(phase + 1, out.scenario.phases.end(), has_name))
       entry.key_node.fail(entry.key_node.found(), "the name of one phase");
-    out.steps[phase - out.scenario.phases.begin()] =
-        read_step(entry.value, phase->duration);
+    out.steps[phase - out.scenario.phases.begin()] = read_step(entry.value, phase->duration);
   }
 }
 

@@ -172,7 +172,7 @@ VectorXd ClosedLoop::tension_row(int element) const {
 
 bool ClosedLoop::has_new_sample(int element, long k) const {
   const Element& e = element_[element];
-  return sampled(e, k - e.delay);
+  return takes_sample(e, k - e.delay);
 }
 
 VectorXd ClosedLoop::reading_row(int element, long k) const {
@@ -183,7 +183,8 @@ VectorXd ClosedLoop::reading_row(int element, long k) const {
   return row;
 }
 
-bool ClosedLoop::sampled(const Element& e, long k) const {
+// True if the element's sensor takes a sample in cycle k.
+bool ClosedLoop::takes_sample(const Element& e, long k) const {
   const auto count = [&](long cycle) {
     return std::floor((static_cast<double>(cycle) + 1e-6) * e.ratio);
   };
@@ -193,7 +194,7 @@ bool ClosedLoop::sampled(const Element& e, long k) const {
 // Number of cycles between the sample that arrives in cycle k and the previous one.
 long ClosedLoop::cycles_since_sample(const Element& e, long k) const {
   long cycles = 1;
-  while (cycles < hyperperiod_ && !sampled(e, k - e.delay - cycles)) ++cycles;
+  while (cycles < hyperperiod_ && !takes_sample(e, k - e.delay - cycles)) ++cycles;
   return cycles;
 }
 
@@ -204,7 +205,7 @@ void ClosedLoop::classify_cycles() {
     std::vector<long> arrived;
     for (const Element& e : element_) {
       const long cycle = first_cycle() + k;
-      arrived.push_back(sampled(e, cycle - e.delay) ? cycles_since_sample(e, cycle) : 0);
+      arrived.push_back(takes_sample(e, cycle - e.delay) ? cycles_since_sample(e, cycle) : 0);
     }
     kinds_.push_back(known.emplace(std::move(arrived), static_cast<int>(known.size())).first->second);
   }
@@ -223,14 +224,15 @@ std::vector<CycleRow> ClosedLoop::rows() const {
 }
 
 // Replaces the previous reading by the latest one, and shifts the delay line.
-void ClosedLoop::read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X,
+void ClosedLoop::update_reading(long k, const Element& e, const MatrixXd& tension, MatrixXd& X,
                       bool& fresh) const {
-  fresh = sampled(e, k - e.delay);
+  fresh = takes_sample(e, k - e.delay);
   if (e.ratio < 1.0 && fresh)
     X.row(e.held) =
         e.delay == 0 ? Eigen::RowVectorXd(tension) : Eigen::RowVectorXd(X.row(e.line + e.delay - 1));
 }
 
+// Updates the force law's states in X; returns the rows of its correction x_f [m].
 MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, const MatrixXd& rate,
                          bool fresh, MatrixXd& X) const {
   const double wanted = settings_.wanted;
@@ -292,7 +294,7 @@ void ClosedLoop::advance(long k, MatrixXd& X) const {
     add(at.from, -1.0);
     add(at.to, 1.0);
     bool fresh = false;
-    read(k, e, tension, X, fresh);
+    update_reading(k, e, tension, X, fresh);
     MatrixXd reading = e.ratio < 1.0 ? MatrixXd(X.row(e.held))
                        : e.delay == 0 ? tension
                                       : MatrixXd(X.row(e.line + e.delay - 1));

@@ -110,10 +110,10 @@ class ClosedLoop {
   // Linearises the arms with their attached elements and sets transition_ and input_ by an exact discretisation.
   void prepare_plant();
   MatrixXd line_map(int k) const;  // (3 x joints): end minus start, true
-  bool sampled(const Element& e, long k) const;
+  bool takes_sample(const Element& e, long k) const;
   long cycles_since_sample(const Element& e, long k) const;
   void classify_cycles();
-  void read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X, bool& fresh) const;
+  void update_reading(long k, const Element& e, const MatrixXd& tension, MatrixXd& X, bool& fresh) const;
   MatrixXd law(long k, const Element& e, const MatrixXd& reading, const MatrixXd& rate,
                bool fresh, MatrixXd& X) const;
 

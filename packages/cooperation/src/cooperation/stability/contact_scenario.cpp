@@ -20,6 +20,7 @@ bool is_scenario(const std::string& path) {
   return false;
 }
 
+// "tool" if the model has it, else its last frame.
 std::string touching_frame(const Model& model) {
   return model.find_frame("tool") >= 0 ? "tool" : model.frames().back().name;
 }
@@ -37,8 +38,7 @@ Scenario contact_scenario(const std::string& path, const StabilityModelOptions& 
   const MotionLimits limits = motion_limits(model);
   arm.start = 0.5 * (limits.lower + limits.upper);
   if (!options.pose.empty()) {
-    arm.start = Eigen::Map<const VectorXd>(options.pose.data(),
-                                           static_cast<Eigen::Index>(options.pose.size()));
+    arm.start = Eigen::Map<const VectorXd>(options.pose.data(), static_cast<Eigen::Index>(options.pose.size()));
   }
   check_arm(arm, model);
   s.arms.push_back(arm);

@@ -17,6 +17,7 @@ VectorXd holding_torques(ArmState& state, const VectorXd& q, const VectorXd& res
   return state.bias() - state.tip().jacobian().topRows(3).transpose() * f_base;
 }
 
+// (n x n) Derivative of holding_torques() by the joint positions.
 MatrixXd torque_jacobian(ArmState& state, const VectorXd& q, const Eigen::Vector3d& f_base) {
   const VectorXd rest = VectorXd::Zero(q.size());
   MatrixXd out(q.size(), q.size());
@@ -32,7 +33,7 @@ MatrixXd torque_jacobian(ArmState& state, const VectorXd& q, const Eigen::Vector
 }
 
 // Friction that increases with the speed of a sliding arm, (n x n), without dry friction.
-MatrixXd drag_of(const Model& model, const ArmState& state) {
+MatrixXd speed_dependent_friction(const Model& model, const ArmState& state) {
   FrictionOptions options;
   options.share = 1.0;
   FrictionCompensation friction(model, options);
@@ -62,7 +63,7 @@ LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const
   out.M = real.mass_matrix();
   out.J = models.R_world_base * real.tip().jacobian().topRows(3);
   out.tip = models.p_world_base + models.R_world_base * real.tip().position();
-  out.D = drag_of(models.real, real);
+  out.D = speed_dependent_friction(models.real, real);
   ArmState known(models.known, tip);
   out.R_world_base = models.R_world_base_known;
   out.G_known = torque_jacobian(known, q, -out.R_world_base.transpose() * exerted);

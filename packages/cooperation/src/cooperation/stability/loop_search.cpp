@@ -13,7 +13,8 @@ constexpr int kPhaseSteps = 36;      // steps of the phase in half a turn
 constexpr double kTurnedUnstable = 1.0 + 1e-7;  // matrix of twice the size, with larger rounding errors
 constexpr int kLongestDelay = 200;   // [cycles] end of the search for the delay margin
 
-double per_cycle(double radius, int cycles) {
+// Modulus per cycle, from that over `cycles` cycles.
+double radius_per_cycle(double radius, int cycles) {
   return std::pow(radius, 1.0 / cycles);
 }
 
@@ -24,8 +25,8 @@ bool has_deadband(const Scenario& scenario) {
   });
 }
 
-// Value between a stable and an unstable one at which the spectral radius passes 1.
-double stability_border(const std::function<double(double)>& radius, double stable, double unstable) {
+// Largest stable value between a stable and an unstable one, to 1e-6 of it.
+double stability_limit_between(const std::function<double(double)>& radius, double stable, double unstable) {
   for (int k = 0; k < kHalvings && unstable - stable > 1e-6 * unstable; ++k) {
     const double middle = 0.5 * (stable + unstable);
     (radius(middle) > kUnstable ? unstable : stable) = middle;
@@ -61,13 +62,12 @@ class TurnedLoop {
     MatrixXd one(2 * n, 2 * n);
     for (const CycleRow& row : rows_) {
       const auto i = static_cast<size_t>(row.kind);
-      one.topLeftCorner(n, n) = one.bottomRightCorner(n, n) =
-          without_[i] + std::cos(phase) * readings_[i];
+      one.topLeftCorner(n, n) = one.bottomRightCorner(n, n) = without_[i] + std::cos(phase) * readings_[i];
       one.topRightCorner(n, n) = std::sin(phase) * readings_[i];
       one.bottomLeftCorner(n, n) = -one.topRightCorner(n, n);
       product = ((row.count == 1 ? one : power(one, row.count)) * product).eval();
     }
-    return per_cycle(spectral_radius(product), cycles_);
+    return radius_per_cycle(spectral_radius(product), cycles_);
   }
 
  private:
@@ -78,11 +78,10 @@ class TurnedLoop {
 
 }  // namespace
 
-double loop_radius(const LinearPoint& point, const Scenario& scenario,
-                   const LoopSettings& settings) {
+double loop_radius(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings) {
   const auto radius = [&](const LoopSettings& s) {
     const ClosedLoop loop(point, scenario, s);
-    return per_cycle(spectral_radius(loop.map()), loop.hyperperiod());
+    return radius_per_cycle(spectral_radius(loop.map()), loop.hyperperiod());
   };
   double worst = radius(settings);
   if (!has_deadband(scenario)) return worst;
@@ -94,13 +93,12 @@ double loop_radius(const LinearPoint& point, const Scenario& scenario,
   return worst;
 }
 
-double first_crossing(const std::function<double(double)>& radius, double begin, double end,
-                      int steps) {
+double first_crossing(const std::function<double(double)>& radius, double begin, double end, int steps) {
   const double ratio = std::pow(end / begin, 1.0 / steps);
   double last = begin;
   for (int k = 1; k <= steps; ++k) {
     const double next = begin * std::pow(ratio, k);
-    if (radius(next) > kUnstable) return stability_border(radius, last, next);
+    if (radius(next) > kUnstable) return stability_limit_between(radius, last, next);
     last = next;
   }
   return end;

@@ -20,13 +20,13 @@ struct Access {
 };
 
 template <typename Change>
-void change_every_member(Scenario& s, const Change& change) {
+void every_member(Scenario& s, const Change& change) {
   for (ScenarioMember& m : s.members) change(m);
 }
 
 template <double ForceLaw::*field>
 void set_law(Scenario& s, double x) {
-  change_every_member(s, [x](ScenarioMember& m) {
+  every_member(s, [x](ScenarioMember& m) {
     m.law.*field = x;
     m.tuned = false;
   });
@@ -87,7 +87,7 @@ void set_damping(Scenario& s, double x) {
   for (ScenarioWall& w : s.walls) w.damping = x;
 }
 
-const std::vector<Access>& access_table() {
+const std::vector<Access>& parameter_accessors() {
   using C = ScenarioControl;
   using L = ForceLaw;
   using S = ForceSensorOptions;
@@ -120,9 +120,10 @@ const std::vector<Access>& access_table() {
   return all;
 }
 
-const Access& access_of(const std::string& name) {
+// Accessors of a parameter by name; throws InvalidInput with the known names.
+const Access& accessor(const std::string& name) {
   std::vector<std::string> names;
-  for (const Access& a : access_table()) {
+  for (const Access& a : parameter_accessors()) {
     if (a.of.name == name) return a;
     names.push_back(a.of.name);
   }
@@ -142,14 +143,14 @@ double read_number(const std::string& word, const std::string& whole) {
 const std::vector<StabilityParameter>& stability_parameters() {
   static const std::vector<StabilityParameter> all = [] {
     std::vector<StabilityParameter> out;
-    for (const Access& a : access_table()) out.push_back(a.of);
+    for (const Access& a : parameter_accessors()) out.push_back(a.of);
     return out;
   }();
   return all;
 }
 
 Scenario with_parameter(const Scenario& scenario, const std::string& name, double value) {
-  const Access& a = access_of(name);
+  const Access& a = accessor(name);
   require(std::isfinite(value) && (a.above_zero ? value > 0.0 : value >= 0.0), "parameter ", name,
           ": found ", value, ", expected a number ", a.above_zero ? "above zero." : "not below zero.");
   Scenario out = scenario;
@@ -159,11 +160,11 @@ Scenario with_parameter(const Scenario& scenario, const std::string& name, doubl
 }
 
 double parameter(const Scenario& scenario, const std::string& name) {
-  return access_of(name).get(scenario);
+  return accessor(name).get(scenario);
 }
 
 std::vector<double> ParameterRange::values() const {
-  const bool by_ratio = access_of(name).of.logarithmic && from > 0.0;
+  const bool by_ratio = accessor(name).of.logarithmic && from > 0.0;
   std::vector<double> out;
   for (int k = 0; k < count; ++k) {
     const double share = count > 1 ? static_cast<double>(k) / (count - 1) : 0.0;
@@ -187,7 +188,7 @@ ParameterRange parse_range(const std::string& whole) {
           whole, "', expected a count from 2 to 1000.");
   require(range.from < range.to, "found '", whole, "', expected FROM below TO.");
   range.count = static_cast<int>(count);
-  const Access& a = access_of(range.name);
+  const Access& a = accessor(range.name);
   require(a.above_zero ? range.from > 0.0 : range.from >= 0.0, "found '", whole,
           "', expected values ", a.above_zero ? "above zero." : "not below zero.");
   return range;

@@ -20,7 +20,7 @@ constexpr double kLeastForce = 1.0;  // [N] contact force on a wall at the equil
 
 // Sets the joints that bring the tip to its target, by Newton steps of the task's own inverse from the
 // present ones.
-void follow(const Model& model, const ScenarioArm& arm, const Vector3d& wanted_base, VectorXd& q) {
+void solve_joints(const Model& model, const ScenarioArm& arm, const Vector3d& wanted_base, VectorXd& q) {
   const Tip tip{arm.frame, arm.offset};
   TipKinematics kinematics(model, tip);
   TaskInverse inverse(model, tip, TaskRows::kPosition);
@@ -37,9 +37,9 @@ void follow(const Model& model, const ScenarioArm& arm, const Vector3d& wanted_b
   }
 }
 
-class Points {
+class RestPointSearch {
  public:
-  explicit Points(const Scenario& scenario) : scenario_(scenario) {
+  explicit RestPointSearch(const Scenario& scenario) : scenario_(scenario) {
     CooperativeOptions options;
     std::vector<Vector3d> tips;
     for (size_t k = 0; k < scenario.arms.size(); ++k) {
@@ -80,7 +80,7 @@ class Points {
   }
 
  private:
-  // Advances ideal arms that follow exactly; every sensor reads the wanted force.
+  // Advances ideal arms that solve_joints exactly; every sensor reads the wanted force.
   void advance_arms() {
     const std::vector<TipTarget>& targets = control_->update(*input_);
     for (size_t k = 0; k < targets.size(); ++k) {
@@ -126,7 +126,7 @@ class Points {
         if (e.from == static_cast<int>(k)) force += e.force * e.u;
         if (e.to == static_cast<int>(k)) force -= e.force * e.u;
       }
-      follow(models_[k].real, arm,
+      solve_joints(models_[k].real, arm,
              models_[k].R_world_base.transpose() * (input_->position[k] - models_[k].p_world_base),
              q_[k]);
       const bool gives = arm.control == ArmControl::kImpedance;
@@ -149,7 +149,7 @@ class Points {
 }  // namespace
 
 std::vector<RestPoint> rest_points(const Scenario& scenario) {
-  return Points(scenario).run();
+  return RestPointSearch(scenario).run();
 }
 
 }  // namespace veridyn

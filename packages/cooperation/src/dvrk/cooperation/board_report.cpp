@@ -41,8 +41,7 @@ EmulatedFault parse_emulated_fault(const std::string& words, const Scenario& sce
   return fault;
 }
 
-std::string faults_text(const std::vector<ArmAfterFault>& arms,
-                              const std::vector<LaterFault>& later) {
+std::string faults_text(const std::vector<ArmAfterFault>& arms, const std::vector<LaterFault>& later) {
   std::string out;
   for (const LaterFault& one : later) out += fmt::format("At {:.4g} s also: {}.\n", one.at, one.what);
   for (const ArmAfterFault& arm : arms) {
@@ -58,8 +57,7 @@ std::string faults_text(const std::vector<ArmAfterFault>& arms,
 
 std::string power_text(OffState power, const std::string& not_off) {
   if (power == OffState::kConfirmed || power == OffState::kNotAsked) return describe(power);
-  return fmt::format("power off is NOT CONFIRMED ({}: {}): press the emergency stop", not_off,
-                     describe(power));
+  return fmt::format("power off is NOT CONFIRMED ({}: {}): press the emergency stop", not_off, describe(power));
 }
 
 std::string BoardCooperationRun::report() const {

@@ -31,8 +31,7 @@ class BoardSide {
 
   /// Runs the arm's loop and supervisor for this cycle; only while its boards are ready and answer.
   /// @param exerted  force of the tip on the object as measured [N]. @param age  [s] of it.
-  void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
-           double dt) noexcept;
+  void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
 
   /// The same with given torques, (joints).
   void drive(const VectorXd& tau, const Eigen::Vector3d& exerted, double age, double dt) noexcept;

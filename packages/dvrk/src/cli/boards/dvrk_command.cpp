@@ -183,7 +183,7 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
 
 }  // namespace
 
-DvrkArm dvrk_arm(const DvrkRequest& request) {
+DvrkArm read_dvrk_arm(const DvrkRequest& request) {
   if (request.config.empty() && request.arm.empty())
     throw CLI::ValidationError("dvrk", "expected --config or --arm");
   expect_prerequisites(*request.command, {{"--robot", !request.config.empty(), "--config"}});

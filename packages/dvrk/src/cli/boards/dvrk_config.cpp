@@ -19,7 +19,7 @@ struct DvrkConfigRequest {
   std::string output;
 };
 
-// Prints values in degrees and millimetres, for comparison with an arm's documents.
+// Prints values in degrees and millimetres, as arms' documents have them; index from 0.
 void print_actuator(const dvrk::ActuatorConfig& a, int index) {
   const double factor = a.prismatic ? 1e3 : 180.0 / M_PI;
   const char* unit = a.prismatic ? "mm" : "deg";
@@ -77,12 +77,9 @@ void run(const DvrkConfigRequest& request) {
 
 void add_dvrk_config(CLI::App& dvrk) {
   const auto request = std::make_shared<DvrkConfigRequest>();
-  CLI::App& command =
-      *dvrk.add_subcommand("config", "Check a configuration, convert it between XML and JSON");
-  add_value(command, "--config FILE", request->config,
-            "sawRobotIO1394 file, XML (version 5) or JSON");
-  add_value(command, "--arm NAME", request->arm,
-            "Nominal configuration of a known arm, instead of --config");
+  CLI::App& command = *dvrk.add_subcommand("config", "Check a configuration, convert it between XML and JSON");
+  add_value(command, "--config FILE", request->config, "sawRobotIO1394 file, XML (version 5) or JSON");
+  add_value(command, "--arm NAME", request->arm, "Nominal configuration of a known arm, instead of --config");
   add_output_option(command, "-o,--output", request->output,
                     "Write the configuration; the ending of the file name decides the format")
       ->option_text("FILE.xml|FILE.json");

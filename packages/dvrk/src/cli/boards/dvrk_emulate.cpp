@@ -41,9 +41,9 @@ struct EmulatedArm {
 };
 
 /// All arms behind the motors of all boards.
-class Arms final : public dvrk::BoardLoad {
+class LoadsOfArms final : public dvrk::BoardLoad {
  public:
-  explicit Arms(const std::vector<EmulatedArm>& arms) {
+  explicit LoadsOfArms(const std::vector<EmulatedArm>& arms) {
     for (const EmulatedArm& arm : arms) {
       if (arm.load) loads_.push_back(arm.load.get());
     }
@@ -59,9 +59,9 @@ class Arms final : public dvrk::BoardLoad {
   dvrk::StandingLoad none_;
 };
 
-// Initial position: zero if it is well inside the limits, else the middle of the range, because an arm at a
-// limit cannot be driven.
-VectorXd start_of(const DvrkRequest& request, const Model& model) {
+// (n) --start, or zero if it is well inside the limits, else the middle of the range, since an arm at a limit
+// cannot be driven.
+VectorXd initial_positions(const DvrkRequest& request, const Model& model) {
   const int n = model.joints();
   if (!request.start.empty()) {
     expect_value(static_cast<int>(request.start.size()) == n, "--start", "found ",
@@ -86,7 +86,7 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
 }
 
 // Every robot of the file, or the selected ones; or the known arms, each on its usual boards.
-std::vector<EmulatedArm> arms_of(const DvrkRequest& request) {
+std::vector<EmulatedArm> read_emulated_arms(const DvrkRequest& request) {
   std::vector<DvrkRequest> each;
   DvrkRequest one = request;
   const bool all = !request.config.empty() && request.robot.empty() && request.arms.empty();
@@ -107,7 +107,7 @@ std::vector<EmulatedArm> arms_of(const DvrkRequest& request) {
   std::vector<EmulatedArm> arms;
   for (const DvrkRequest& its : each) {
     arms.emplace_back();
-    arms.back().of = dvrk_arm(its);
+    arms.back().of = read_dvrk_arm(its);
     const dvrk::RobotConfig& robot = arms.back().of.robot;
     require(robot.hardware == "QLA1", "robot '", robot.name, "': found hardware ", robot.hardware,
             ", expected QLA1: other boards are not emulated.");
@@ -115,11 +115,11 @@ std::vector<EmulatedArm> arms_of(const DvrkRequest& request) {
   return arms;
 }
 
-std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
+// Bytes of the instrument's chip on a board, from --instrument-chip; empty: no chip.
+std::vector<std::uint8_t> instrument_chip_bytes(const DvrkRequest& request, int board) {
   for (const std::string& words : request.chips) {
     const auto equals = words.find('=');
-    expect_value(equals != std::string::npos, "--instrument-chip", "found '", words,
-                 "', expected BOARD=FILE");
+    expect_value(equals != std::string::npos, "--instrument-chip", "found '", words, "', expected BOARD=FILE");
     if (words.substr(0, equals) != std::to_string(board)) continue;
     const std::string content = content_of_file(words.substr(equals + 1), "the bytes of an instrument's chip");
     std::vector<std::uint8_t> bytes(content.begin(), content.end());
@@ -131,8 +131,8 @@ std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
   return {};
 }
 
-std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
-                                        const std::vector<EmulatedArm>& arms) {
+// Setups of all boards that the arms use, in the order of their ids.
+std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request, const std::vector<EmulatedArm>& arms) {
   std::set<int> ids;
   for (const EmulatedArm& arm : arms) {
     for (const int id : dvrk::boards_of(arm.of.robot)) ids.insert(id);
@@ -144,7 +144,7 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
     setup.firmware = request.firmware;
     setup.pot_noise = request.pot_noise.value_or(kPotNoise);
     setup.current_noise = request.current_noise.value_or(kCurrentNoise);
-    setup.dallas = chip_of(request, id);
+    setup.dallas = instrument_chip_bytes(request, id);
     for (const EmulatedArm& arm : arms) {
       for (const dvrk::BoardSerial& own : arm.of.robot.board_serials)
         if (own.board == id) setup.qla_serial = "QLA " + own.serial;
@@ -169,7 +169,7 @@ void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetu
     const Model model = read_model(request.models[request.models.size() == 1 ? 0 : k]);
     arm.plant = make_engine("veridyn", model);
     arm.load = std::make_unique<dvrk::SimulatedArm>(*arm.plant, arm.of.robot, arm.of.coupling, ids,
-                                                    start_of(request, model));
+                                                    initial_positions(request, model));
     arm.load->set_sensors(JointSensors(model));
     VectorXd lower(model.joints()), upper(model.joints());
     for (int j = 0; j < model.joints(); ++j) {
@@ -183,13 +183,15 @@ void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetu
   }
 }
 
+// Names of the robots, separated by commas.
 std::string names_of(const std::vector<EmulatedArm>& arms) {
   std::string names;
   for (const EmulatedArm& arm : arms) names += (names.empty() ? "" : ", ") + arm.of.robot.name;
   return names;
 }
 
-dvrk::IoConfig config_of(const std::vector<EmulatedArm>& arms) {
+// One configuration with the robots of all arms.
+dvrk::IoConfig joined_config(const std::vector<EmulatedArm>& arms) {
   dvrk::IoConfig all = arms.front().of.config;
   all.robots.clear();
   for (const EmulatedArm& arm : arms) all.robots.push_back(arm.of.robot);
@@ -209,7 +211,7 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
 // Boards with their arms and events, without a clock.
 struct Emulated {
   explicit Emulated(const DvrkRequest& request)
-      : arms(arms_of(request)),
+      : arms(read_emulated_arms(request)),
         boards(boards_of(request, arms)),
         emulator(boards),
         events(value_of("--event", [&] { return dvrk::board_events(request.events, emulator); })),
@@ -235,15 +237,15 @@ struct Emulated {
   std::vector<dvrk::BoardSetup> boards;
   BoardEmulator emulator;
   std::vector<dvrk::BoardEvent> events;
-  std::optional<Arms> load;
+  std::optional<LoadsOfArms> load;
   std::size_t next = 0;
   bool quiet;
 };
 
 // Boards in this process: their clock advances only while the client waits.
-class LinkInside final : public dvrk::DatagramLink {
+class InProcessLink final : public dvrk::DatagramLink {
  public:
-  explicit LinkInside(const DvrkRequest& request) : world_(request), link_(world_.emulator) {}
+  explicit InProcessLink(const DvrkRequest& request) : world_(request), link_(world_.emulator) {}
   bool send(dvrk::ByteView datagram, dvrk::Destination to) noexcept override {
     return link_.send(datagram, to);
   }
@@ -268,10 +270,10 @@ class LinkInside final : public dvrk::DatagramLink {
 std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request) {
   if (!request.emulate) return std::make_unique<dvrk::UdpLink>(request.host, request.port);
   DvrkRequest inside = request;
-  inside.robot = dvrk_arm(request).robot.name;
+  inside.robot = read_dvrk_arm(request).robot.name;
   if (request.config.empty()) inside.robot.clear();
   if (!request.model.empty()) inside.models = {request.model};
-  return std::make_unique<LinkInside>(inside);
+  return std::make_unique<InProcessLink>(inside);
 }
 
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
@@ -279,7 +281,7 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   expect_prerequisites(*request.command, {{"--start", !request.models.empty(), "--model"}});
   Emulated world(request);
   BoardEmulator& emulator = world.emulator;
-  if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(world.arms)));
+  if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(joined_config(world.arms)));
   catch_signals();
   dvrk::BoardServer server(emulator, request.port,
                            request.everywhere ? dvrk::BoardServer::Listens::kEverywhere

@@ -20,7 +20,8 @@ constexpr double kForever = 1e9;     // [s] duration of a run without --seconds
 constexpr double kSilence = 0.5;  // [s] without a valid read, after which the boards count as lost
 constexpr double kTableEvery = 0.5;  // [s] between two rows of the table
 
-std::string flags_of(const dvrk::Status& s) {
+// Names of the set status flags, separated by commas.
+std::string set_flags_text(const dvrk::Status& s) {
   std::string out;
   const auto add = [&](bool set, const char* word) {
     if (set) out += std::string(out.empty() ? "" : ", ") + word;
@@ -33,11 +34,12 @@ std::string flags_of(const dvrk::Status& s) {
   return out.empty() ? "off" : out;
 }
 
+// The present state of every joint, one in each row, and the status of the boards.
 std::string joint_table(ArmSession& arm) {
   const dvrk::BoardArmState& state = arm.state();
   std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
                                 "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
-  for (int j = 0; j < arm.joints(); ++j) {
+  for (int j = 0; j < arm.size(); ++j) {
     const dvrk::BoardFeedback& board = arm.board_of(j);
     const int axis = arm.robot().actuators[j].axis;
     out += fmt::format("{:>5} {:>12.5f} {:>12.5f} {:>12.4f} {:>10.4f} {:>12.5f} {:>4}\n", j + 1,
@@ -49,11 +51,12 @@ std::string joint_table(ArmSession& arm) {
     const dvrk::BoardFeedback& f = bus.feedback(b);
     out += fmt::format("board {:>2}, firmware {}: {:.1f} C, {:.1f} C; {}\n", bus.info(b).id,
                        bus.info(b).firmware, f.temperature.celsius(0), f.temperature.celsius(1),
-                       flags_of(f.status));
+                       set_flags_text(f.status));
   }
   return out;
 }
 
+// Prints the timing of the loop; for boards in this process only the number of cycles.
 void report_timing(const dvrk::LoopTiming& timing, const DvrkRequest& request) {
   if (request.emulate) {
     std::cout << fmt::format("{} cycles by the boards' clock, which stands still while the program computes\n", timing.cycles);
@@ -67,10 +70,8 @@ void report_timing(const dvrk::LoopTiming& timing, const DvrkRequest& request) {
                              1e3 * gap.seconds, gap.at, describe_reason(gap));
 }
 
-// The session of a reading command. With --home a session of its own initialises the encoders
-// first.
-dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkArm& arm,
-                                        dvrk::Access access) {
+// Options of a command that only reads: it does not home; by registers at no rate of its own.
+dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkArm& arm, dvrk::Access access) {
   dvrk::ArmSessionOptions options = session_options(request, arm);
   options.access = access;
   options.homing = dvrk::Homing::kNever;
@@ -78,15 +79,17 @@ dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-// Refuses if any motor is on, before anything is written, because homing writes "off".
-void home_before_run(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
+// With --home loads the encoders in a session of its own. Throws if any motor is on, before anything is
+// written, because homing writes "off".
+void home_if_requested(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
   if (!request.home) return;
   dvrk::require_no_power(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   ArmSession session(link, arm.robot, session_options(request, arm));
   session.start();
 }
 
-std::string missing_preload_text(ArmSession& session) {
+// Warning if an encoder has not been loaded since power-up; else empty.
+std::string missing_preload_warning(ArmSession& session) {
   if (!session.needs_homing()) return "";
   return "the encoders were never loaded: positions count from where the boards woke up (--home "
          "loads them from the pots)";
@@ -102,7 +105,7 @@ std::vector<std::string> prepare_loop() {
   return refused;
 }
 
-std::string not_confirmed(dvrk::OffState power) {
+std::string unconfirmed_power_text(dvrk::OffState power) {
   return text("power off is NOT CONFIRMED (", describe(power), "): press the emergency stop");
 }
 
@@ -123,9 +126,9 @@ void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::Ru
 
 ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   require_writable(request.common.json);
-  const DvrkArm arm = dvrk_arm(request);
+  const DvrkArm arm = read_dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
-  home_before_run(request, arm, link);
+  home_if_requested(request, arm, link);
   const bool blocks = request.protocol != "automatic";
   ArmSession session(
       link, arm.robot,
@@ -141,7 +144,7 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
     if (t < next) return;
     next = t + kTableEvery;
     if (terminal) std::cout << "\033[H\033[J";
-    const std::string loaded = missing_preload_text(session);
+    const std::string loaded = missing_preload_warning(session);
     std::cout << joint_table(session) << loaded << (loaded.empty() ? "" : "\n")
               << session.boards().faults().report() << std::flush;
   };
@@ -158,9 +161,9 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
 
 ExitStatus run_dvrk_read(const DvrkRequest& request) {
   require_writable(request.output, request.common.json);
-  const DvrkArm arm = dvrk_arm(request);
+  const DvrkArm arm = read_dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
-  home_before_run(request, arm, link);
+  home_if_requested(request, arm, link);
   ArmSession session(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   catch_signals();
   for (const std::string& line : prepare_loop()) print_message(line);
@@ -169,7 +172,7 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   require(done.rows.rows() > 0, "boards: not a single valid read.");
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
-  const std::string loaded = missing_preload_text(session);
+  const std::string loaded = missing_preload_warning(session);
   if (!loaded.empty()) print_message(loaded);
   finish_dvrk(request, "read", done, session);
   report_rows(request, done);

@@ -61,8 +61,10 @@ struct DvrkArm {
   dvrk::RobotConfig robot;
   MatrixXd coupling;
 };
-DvrkArm dvrk_arm(const DvrkRequest& request);
+/// Reads it. Throws a usage error without --config or --arm, InvalidInput for an unknown robot or instrument.
+DvrkArm read_dvrk_arm(const DvrkRequest& request);
 
+/// Options that the request gives for a session with control.
 dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm);
 
 /// Prints the faults of the session on standard error; warnings are printed with --quiet as well.
@@ -77,7 +79,7 @@ std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request);
 std::vector<std::string> prepare_loop();
 
 /// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
-std::string not_confirmed(dvrk::OffState power);
+std::string unconfirmed_power_text(dvrk::OffState power);
 
 /// Reports the number of rows, and the reason if the file does not have all of them.
 void report_rows(const DvrkRequest& request, const dvrk::RunResult& done);

@@ -19,7 +19,7 @@ namespace {
 using dvrk::ArmSession;
 
 // PID gains of the known arm; with a model, gains computed from it replace those of the model's joints.
-PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
+PidGains pid_gains(const DvrkRequest& request, const DvrkArm& arm) {
   const int n = arm.robot.size();
   PidGains gains{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n)};
   const std::vector<std::string> known = dvrk::arm_names();
@@ -47,7 +47,8 @@ PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   return gains;
 }
 
-MotionSamples motion_of(const std::string& path) {
+// Motion of a file with missing derivatives computed; throws InvalidInput that names the file.
+MotionSamples read_motion(const std::string& path) {
   RecordingOptions reading;
   reading.signals.as_recorded = true;  // the rows of a wanted motion are not repaired
   const Recording rows = read_recording(path, reading);
@@ -58,6 +59,7 @@ MotionSamples motion_of(const std::string& path) {
   }
 }
 
+// Throws a usage error if an option is missing, or given for a controller that does not use it.
 void require_inputs(const DvrkRequest& request) {
   const std::string& name = request.controller;
   const bool pid = name == "pid";
@@ -75,11 +77,11 @@ void require_inputs(const DvrkRequest& request) {
                "found --gains beside it, expected one of them");
   expect_value(!plays || !request.trajectory.empty(), "--trajectory",
                "expected a motion for --controller ", name);
-  expect_value(pid || !request.model.empty(), "--model", "--controller ", name,
-               " needs a model with values");
+  expect_value(pid || !request.model.empty(), "--model", "--controller ", name, " needs a model with values");
 }
 
-std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
+// Controller of the request; null for PID.
+std::unique_ptr<dvrk::ModelController> make_controller(const DvrkRequest& request,
                                                      const PidGains& gains, const ArmSession& arm) {
   if (request.controller == "pid") return nullptr;
   dvrk::ModelControlOptions options;
@@ -96,14 +98,13 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   if (!request.gains.empty() && options.law == dvrk::ControlLaw::kImpedance)
     options.tip_gains = read_tip_gains(request.gains);
   if (!request.tip.empty()) expect_one_of("--tip", request.tip, frame_names(model));
-  auto controller =
-      std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
+  auto controller = std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
   for (const std::string& effect : controller->left_out())
     print_message("the controller leaves out " + effect);
   return controller;
 }
 
-// A single number applies to the revolute joints.
+// (n) [rad], [m] largest position errors; a single number of the request applies to the revolute joints.
 VectorXd largest_errors(const DvrkRequest& request, const dvrk::RobotConfig& robot) {
   VectorXd all = dvrk::default_largest_errors(robot);
   const std::vector<double>& given = request.largest_error;
@@ -132,18 +133,17 @@ dvrk::RunOptions run_options(const DvrkRequest& request, const dvrk::RobotConfig
 ExitStatus run_dvrk_run(const DvrkRequest& request) {
   require_inputs(request);
   require_writable(request.output, request.common.json);
-  const DvrkArm arm = dvrk_arm(request);
+  const DvrkArm arm = read_dvrk_arm(request);
   const bool in_place = request.controller == "gravity";
-  const MotionSamples motion = in_place ? MotionSamples() : motion_of(request.trajectory);
-  const PidGains gains = gains_of(request, arm);
+  const MotionSamples motion = in_place ? MotionSamples() : read_motion(request.trajectory);
+  const PidGains gains = pid_gains(request, arm);
   const dvrk::RunOptions options = run_options(request, arm.robot);
   const std::unique_ptr<dvrk::DatagramLink> boards = link_to_boards(request);
   dvrk::DatagramLink& link = *boards;
   ArmSession session(link, arm.robot, session_options(request, arm));
-  const auto controller = controller_of(request, gains, session);
+  const auto controller = make_controller(request, gains, session);
   catch_signals();
-  const std::vector<std::string> refused =
-      request.emulate ? std::vector<std::string>() : prepare_loop();
+  const std::vector<std::string> refused = request.emulate ? std::vector<std::string>() : prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_requested())
@@ -152,7 +152,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
                            in_place ? "a weightless arm" : request.trajectory);
   const bool off = done.power == dvrk::OffState::kConfirmed;
-  const std::string power = off ? "power is off" : not_confirmed(done.power);
+  const std::string power = off ? "power is off" : unconfirmed_power_text(done.power);
   if (!done.why.empty()) print_message("the run ended: " + done.why + "; " + power + ".");
   if (done.why.empty() && !off) print_message(power + ".");
   for (const std::string& line : refused) print_message(line);  // after the reason for the end of the run

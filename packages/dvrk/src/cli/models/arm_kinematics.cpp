@@ -24,7 +24,7 @@ const char* describe(dvrk::InverseStatus status) {
 }
 
 template <typename Kinematics>
-KinematicsExtension::InverseSolver solver_of(const dvrk::ArmFacts& facts) {
+KinematicsExtension::InverseSolver make_solver(const dvrk::ArmFacts& facts) {
   const auto closed = std::make_shared<Kinematics>(facts);
   return [closed](const Eigen::Isometry3d& T_base_tip, VectorXd& q) -> std::string {
     const typename Kinematics::Joints near = q;
@@ -34,24 +34,26 @@ KinematicsExtension::InverseSolver solver_of(const dvrk::ArmFacts& facts) {
   };
 }
 
-KinematicsExtension::InverseSolver closed_form(const dvrk::ArmFacts& facts) {
-  if (facts.kind == "PSM") return solver_of<dvrk::PsmKinematics>(facts);
-  if (facts.kind == "ECM") return solver_of<dvrk::EcmKinematics>(facts);
-  if (facts.kind == "MTM") return solver_of<dvrk::MtmKinematics>(facts);
+// Solver of the closed form of the arm's kind; empty for other kinds.
+KinematicsExtension::InverseSolver closed_form_solver(const dvrk::ArmFacts& facts) {
+  if (facts.kind == "PSM") return make_solver<dvrk::PsmKinematics>(facts);
+  if (facts.kind == "ECM") return make_solver<dvrk::EcmKinematics>(facts);
+  if (facts.kind == "MTM") return make_solver<dvrk::MtmKinematics>(facts);
   return {};
 }
 
-std::optional<KinematicsExtension::Arm> read(const std::string& name) {
+// The arm of this name; nullopt if it is not known.
+std::optional<KinematicsExtension::Arm> read_known_arm(const std::string& name) {
   const std::vector<std::string> known = dvrk::arm_names();
   if (std::find(known.begin(), known.end(), name) == known.end()) return std::nullopt;
   const dvrk::ArmFacts facts = dvrk::read_arm(name);
-  return KinematicsExtension::Arm{dvrk::arm_model(facts), closed_form(facts)};
+  return KinematicsExtension::Arm{dvrk::arm_model(facts), closed_form_solver(facts)};
 }
 
 }  // namespace
 
 KinematicsExtension dvrk_kinematics() {
-  return {", or an arm of the dVRK by its closed form: PSM1, MTMR, ECM", read};
+  return {", or an arm of the dVRK by its closed form: PSM1, MTMR, ECM", read_known_arm};
 }
 
 }  // namespace veridyn::cli

@@ -26,7 +26,7 @@ struct DvrkExport {
   std::string torques;  // static torques to compare the rows with
 };
 
-// The arm of a model, by the first letters of its name.
+// The named arm, or the first whose name begins with the first three letters of the model's.
 dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
   if (!name.empty()) {
     expect_one_of("--dvrk-arm", name, dvrk::arm_names());
@@ -42,6 +42,7 @@ dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
                           listed(dvrk::arm_names()), "."));
 }
 
+// "N" or "N m"; empty if the chain does not have the joint.
 std::string effort_unit_of(const dvrk::GravityChain& chain, const std::string& joint) {
   for (const dvrk::GravityRow& row : chain.rows)
     if (row.joint == joint) return row.prismatic ? "N" : "N m";
@@ -67,8 +68,7 @@ void print_gravity(const dvrk::GravityChain& chain) {
 
 // Compares reported efforts with the rows: root mean square of the residual and of the efforts.
 void print_static_torques(const dvrk::GravityChain& chain, const dvrk::StaticTorques& measured, const std::string& path) {
-  const auto n =
-      std::min<Eigen::Index>(measured.q.cols(), static_cast<Eigen::Index>(chain.rows.size()));
+  const auto n = std::min<Eigen::Index>(measured.q.cols(), static_cast<Eigen::Index>(chain.rows.size()));
   VectorXd rest = VectorXd::Zero(n);
   VectorXd all = VectorXd::Zero(n);
   for (Eigen::Index s = 0; s < measured.q.rows(); ++s) {

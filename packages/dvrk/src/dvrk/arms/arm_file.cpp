@@ -17,12 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool flag_or_false(const YamlNode& node, const std::string& key) {
+// The flag under `key`; false if the key is missing.
+bool read_flag(const YamlNode& node, const std::string& key) {
   const auto given = node.find(key);
   return given && given->flag();
 }
 
-int integer_in(const YamlNode& node, int lower, int upper) {
+// Whole number from `lower` to `upper`; fails at the node for others.
+int read_integer(const YamlNode& node, int lower, int upper) {
   const double value = node.number();
   const std::string expected = text("a whole number from ", lower, " to ", upper);
   if (value != std::floor(value) || value < lower || value > upper)
@@ -38,6 +40,7 @@ void read_range(const YamlNode& node, double& lower, double& upper) {
   if (!(lower < upper)) range.fail("a lower limit not below the upper one", "[lower, upper]");
 }
 
+// Square matrix from a list of rows.
 MatrixXd read_square(const YamlNode& node) {
   const std::vector<YamlNode> rows = node.items("a list of rows");
   const auto n = static_cast<Eigen::Index>(rows.size());
@@ -56,7 +59,7 @@ ArmJoint read_joint(const YamlNode& node, DhConvention convention) {
   node.allow_keys({"name", "dh", "position", "velocity", "prismatic"});
   ArmJoint joint;
   joint.name = node.at("name").word("the joint's name");
-  joint.prismatic = flag_or_false(node, "prismatic");
+  joint.prismatic = read_flag(node, "prismatic");
   if (const auto dh = node.find("dh")) {
     const std::vector<double> row = dh->numbers(4, "four numbers [a, alpha, d, theta]");
     joint.dh = DhRow{convention, row[0], row[1], row[2], row[3]};
@@ -71,9 +74,9 @@ ArmActuator read_actuator(const YamlNode& node) {
                    "position", "kp", "kd", "pot", "prismatic"});
   ArmActuator actuator;
   actuator.name = node.at("name").word("the actuator's name");
-  actuator.prismatic = flag_or_false(node, "prismatic");
-  actuator.board = integer_in(node.at("board"), 0, 1);
-  actuator.axis = integer_in(node.at("axis"), 0, 3);
+  actuator.prismatic = read_flag(node, "prismatic");
+  actuator.board = read_integer(node.at("board"), 0, 1);
+  actuator.axis = read_integer(node.at("axis"), 0, 3);
   actuator.counts = node.at("counts").positive_number();
   actuator.gear = node.at("gear").positive_number();
   actuator.torque_constant = node.at("torque_constant").positive_number();
@@ -91,14 +94,13 @@ ArmActuator read_actuator(const YamlNode& node) {
   return actuator;
 }
 
-void read_brake(const YamlNode& node, const std::vector<int>& boards,
-                std::vector<ArmActuator>& actuators) {
+void read_brake(const YamlNode& node, const std::vector<int>& boards, std::vector<ArmActuator>& actuators) {
   node.allow_keys({"actuator", "board", "axis", "release", "release_time", "released", "engaged"});
-  const int which = integer_in(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
+  const int which = read_integer(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
   if (actuators[which].brake) node.at("actuator").fail(text("a second brake of actuator ", which), "one for each");
   BrakeConfig brake;
-  brake.board = boards[integer_in(node.at("board"), 0, 1)];
-  brake.axis = integer_in(node.at("axis"), 0, 3);
+  brake.board = boards[read_integer(node.at("board"), 0, 1)];
+  brake.axis = read_integer(node.at("axis"), 0, 3);
   brake.amps_to_bits = kNominalAmpsToBits;
   brake.bits_to_amps = kNominalBitsToAmps;
   brake.release_current = node.at("release").positive_number();
@@ -126,9 +128,9 @@ std::string content_of(const std::string& path) {
   return content_of_file(path, "the facts of an arm");
 }
 
-class File {
+class ArmFile {
  public:
-  explicit File(const std::string& path)
+  explicit ArmFile(const std::string& path)
       : source_{path, {}, {}}, root_(YamlNode::parse(content_of(path), source_)) {
     root_.allow_keys({"dvrk_arm", "name", "unsure", "convention", "arms", "joints", "tip",
                       "actuators", "brakes", "coupling", "pots_to_actuators", "instruments"});
@@ -182,12 +184,11 @@ class File {
       arm.allow_keys({"name", "boards", "directions"});
       if (arm.at("name").word("the arm's name") != facts.name) continue;
       for (const YamlNode& board : arm.at("boards").items("two board ids"))
-        facts.boards.push_back(integer_in(board, 0, 15));
+        facts.boards.push_back(read_integer(board, 0, 15));
       if (facts.boards.size() != 2)
         arm.at("boards").fail(arm.at("boards").found(), "two board ids");
       const YamlNode list = arm.at("directions");
-      const std::vector<double> directions =
-          list.numbers(facts.actuators.size(), "1 or -1 for every actuator");
+      const std::vector<double> directions = list.numbers(facts.actuators.size(), "1 or -1 for every actuator");
       for (std::size_t k = 0; k < directions.size(); ++k) {
         if (std::abs(directions[k]) != 1.0) list.fail(text(directions[k]), "1 or -1");
         facts.actuators[k].direction = directions[k];
@@ -201,22 +202,22 @@ class File {
   void read_couplings(ArmFacts& facts) const {
     const auto n = static_cast<Eigen::Index>(facts.joints.size());
     facts.actuator_to_joint = MatrixXd::Identity(n, n);
-    if (const auto coupling = root_.find("coupling")) facts.actuator_to_joint = read_square_of_size(*coupling, n);
+    if (const auto coupling = root_.find("coupling")) facts.actuator_to_joint = sized(*coupling, n);
     if (const auto pots = root_.find("pots_to_actuators"))
-      facts.pots_to_actuators = read_square_of_size(*pots, n);
+      facts.pots_to_actuators = sized(*pots, n);
     const auto instruments = root_.find("instruments");
     if (!instruments) return;
     for (const YamlNode& node : instruments->items("a list of instruments")) {
       node.allow_keys({"name", "first", "coupling"});
       ArmInstrument instrument;
       instrument.name = node.at("name").word("the instrument's name");
-      instrument.first = integer_in(node.at("first"), 0, static_cast<int>(n) - 1);
-      instrument.coupling = read_square_of_size(node.at("coupling"), n - instrument.first);
+      instrument.first = read_integer(node.at("first"), 0, static_cast<int>(n) - 1);
+      instrument.coupling = sized(node.at("coupling"), n - instrument.first);
       facts.instruments.push_back(instrument);
     }
   }
 
-  static MatrixXd read_square_of_size(const YamlNode& node, Eigen::Index n) {
+  static MatrixXd sized(const YamlNode& node, Eigen::Index n) {
     MatrixXd matrix = read_square(node);
     if (matrix.rows() != n) node.fail(text("a matrix of ", matrix.rows(), " rows"), text(n));
     return matrix;
@@ -226,6 +227,7 @@ class File {
   YamlNode root_;
 };
 
+// YAML files of the first folder that has any: $VERIDYN_DVRK, the sources, the installation, near the program.
 std::vector<fs::path> arm_files() {
   std::vector<fs::path> files;
   std::vector<fs::path> folders;
@@ -252,9 +254,9 @@ std::vector<fs::path> arm_files() {
 ArmFacts read_arm(const std::string& name) {
   const auto colon = name.rfind(".yaml:");
   if (colon != std::string::npos)
-    return File(name.substr(0, colon + 5)).arm(name.substr(colon + 6));
+    return ArmFile(name.substr(0, colon + 5)).arm(name.substr(colon + 6));
   for (const fs::path& path : arm_files()) {
-    const File file(path.string());
+    const ArmFile file(path.string());
     for (const std::string& known : file.names())
       if (known == name) return file.arm(name);
   }
@@ -266,7 +268,7 @@ ArmFacts read_arm(const std::string& name) {
 std::vector<std::string> arm_names() {
   std::vector<std::string> names;
   for (const fs::path& path : arm_files())
-    for (const std::string& name : File(path.string()).names()) names.push_back(name);
+    for (const std::string& name : ArmFile(path.string()).names()) names.push_back(name);
   return names;
 }
 

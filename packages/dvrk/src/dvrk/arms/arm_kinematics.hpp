@@ -38,6 +38,7 @@ struct JointRanges {
   explicit JointRanges(const ArmFacts& arm);
   /// Changes angles by whole turns: into the range and, among several possibilities, nearest to `near`.
   void wrap(Eigen::Matrix<double, n, 1>& q, const Eigen::Matrix<double, n, 1>& near) const noexcept;
+  /// True if every joint is within its range, up to 1e-9 for rounding.
   bool contain(const Eigen::Matrix<double, n, 1>& q) const noexcept;
 };
 
@@ -107,8 +108,7 @@ class MtmKinematics {
   /// the limits nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
   /// arm is stretched two solutions meet, and errors grow to the square root of rounding (1e-8
   /// rad).
-  InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist,
-                                      const Eigen::Vector3d& near) const noexcept;
+  InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist, const Eigen::Vector3d& near) const noexcept;
 
   /// All joints; the platform stays at near[3]. Singular also where wrist yaw is at +-90 degrees
   /// (wrist pitch is then taken from `near`).

@@ -9,6 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
+// The coupling K, identity if empty; throws InvalidInput if it does not fit the robot or is singular.
 MatrixXd checked_coupling(const MatrixXd& K, const RobotConfig& robot) {
   const int n = robot.size();
   require(n > 0, "arm '", robot.name, "': found no actuators, expected at least one.");
@@ -26,6 +27,7 @@ MatrixXd checked_coupling(const MatrixXd& K, const RobotConfig& robot) {
   return K;
 }
 
+// [counts/s] by the firmware's estimate, or by the difference of counts; 0 without a previous reading.
 double encoder_velocity(const ActuatorConfig& actuator, const RawActuator& raw,
                         std::int32_t previous, bool has_previous) {
   if (actuator.velocity_source == VelocitySource::kFirmware)
@@ -121,8 +123,7 @@ void ArmUnits::convert_currents(ArmCommand& command) noexcept {
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const LinearScale& to_bits = actuators_[k].amps_to_bits;
-    command.bits[k] =
-        nearest_word(to_bits(command.current[i]), nearest_word(to_bits.offset, 0x8000));
+    command.bits[k] = nearest_word(to_bits(command.current[i]), nearest_word(to_bits.offset, 0x8000));
     effort_[i] = command.current[i] / actuators_[k].effort_to_amps;
   }
   command.tau.noalias() = joint_torque_ * effort_;

@@ -7,7 +7,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-void correct(const Coordinate& coordinate, EffortScale& scale) {
+// Replaces the scale by that of an identified drive gain, and multiplies it by the recorded torque gain.
+void correct_scale(const Coordinate& coordinate, EffortScale& scale) {
   if (coordinate.drive_gain > 0.0) {
     scale.scale = 1.0 / coordinate.drive_gain;
     scale.std_scale = coordinate.drive_gain_deviation * scale.scale * scale.scale;
@@ -22,8 +23,7 @@ void correct(const Coordinate& coordinate, EffortScale& scale) {
 
 }  // namespace
 
-std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm,
-                                          const RobotConfig& robot) {
+std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm, const RobotConfig& robot) {
   require(robot.actuators.size() == arm.actuators.size(), "robot '", robot.name, "': found ",
           robot.actuators.size(), " actuators, expected ", arm.actuators.size(), " of a ", arm.kind,
           ".");
@@ -35,7 +35,7 @@ std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& ar
     scale.before = robot.actuators[k].effort_to_amps;
     scale.scale = scale.before;
     const int i = model.find_coordinate(scale.actuator);
-    if (i >= 0) correct(model.coordinates()[i], scale);
+    if (i >= 0) correct_scale(model.coordinates()[i], scale);
     scales.push_back(scale);
   }
   return scales;
@@ -50,8 +50,7 @@ std::string to_scales_json(const std::string& arm, const std::vector<EffortScale
                   {"before", scale.before},
                   {"source", scale.source.empty() ? "unchanged" : scale.source}};
     if (scale.std_scale > 0.0) notes["std"] = scale.std_scale;
-    actuators.push_back(
-        {{"drive", {{"effort_to_current", {{"scale", scale.scale}}}}}, {"veridyn", notes}});
+    actuators.push_back({{"drive", {{"effort_to_current", {{"scale", scale.scale}}}}}, {"veridyn", notes}});
   }
   const Json file = {{"robots", Json::array({{{"name", arm}, {"actuators", actuators}}})}};
   return file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -24,13 +24,13 @@ constexpr int kMoments = 4;            // moments of a link: hx, hy, hz, m
 constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // their indices in InertialParameters
 
 // Correspondence of the model's coordinates and the rows of the chain.
-struct Match {
+struct JointMatch {
   std::vector<int> coordinates;
   std::vector<int> rows;
 };
 
-Match match_joints(const Model& model, const Model& chain, const ArmFacts& arm) {
-  Match match;
+JointMatch match_joints(const Model& model, const Model& chain, const ArmFacts& arm) {
+  JointMatch match;
   for (int k = 0; k < chain.joints(); ++k) {
     const int i = model.find_coordinate(chain.coordinates()[k].name);
     if (i < 0) continue;
@@ -44,6 +44,7 @@ Match match_joints(const Model& model, const Model& chain, const ArmFacts& arm) 
   return match;
 }
 
+// The arm's chain with a body in every link and gravity [m/s^2] along -z.
 Model chain_with_bodies(const ArmFacts& arm, double gravity) {
   ModelDescription description = arm_model(arm).description();
   description.gravity = {0.0, 0.0, -gravity};
@@ -60,19 +61,20 @@ struct Samples {
 
 class Sampler {
  public:
-  Sampler(const Model& model, const Model& chain, const Match& match)
+  Sampler(const Model& model, const Model& chain, const JointMatch& match)
       : model_(model), chain_(chain), match_(match) {}
 
   Samples draw(unsigned seed, int count) const {
     const auto n = static_cast<Eigen::Index>(match_.rows.size());
     Samples samples{MatrixXd(count * n, kMoments * chain_.joints()), VectorXd(count * n)};
     RandomNumbers random(seed);
-    for (int s = 0; s < count; ++s) fill_sample(random, s * n, samples);
+    for (int s = 0; s < count; ++s) append_sample(random, s * n, samples);
     return samples;
   }
 
  private:
-  void fill_sample(RandomNumbers& random, Eigen::Index first, Samples& samples) const {
+  // Fills the rows from `first` on with one random configuration.
+  void append_sample(RandomNumbers& random, Eigen::Index first, Samples& samples) const {
     VectorXd q = VectorXd::Zero(model_.joints());
     VectorXd q_chain = VectorXd::Zero(chain_.joints());
     for (int i = 0; i < model_.joints(); ++i) {
@@ -85,12 +87,10 @@ class Sampler {
       const double lower = std::max(own.lower, facts.lower);
       const double upper = std::min(own.upper, facts.upper);
       const bool overlap = lower < upper;
-      q_chain[match_.rows[k]] =
-          random.uniform(overlap ? lower : facts.lower, overlap ? upper : facts.upper);
+      q_chain[match_.rows[k]] = random.uniform(overlap ? lower : facts.lower, overlap ? upper : facts.upper);
       q[match_.coordinates[k]] = q_chain[match_.rows[k]];
     }
-    const VectorXd tau =
-        inverse_dynamics(model_, q, VectorXd::Zero(q.size()), VectorXd::Zero(q.size()));
+    const VectorXd tau = inverse_dynamics(model_, q, VectorXd::Zero(q.size()), VectorXd::Zero(q.size()));
     const VectorXd rest = VectorXd::Zero(q_chain.size());
     const MatrixXd Y = torque_regressor(chain_, q_chain, rest, rest);
     for (std::size_t k = 0; k < match_.rows.size(); ++k) {
@@ -104,7 +104,7 @@ class Sampler {
 
   const Model& model_;
   const Model& chain_;
-  const Match& match_;
+  const JointMatch& match_;
 };
 
 // Indices of the columns that do not depend on earlier ones: h of a link comes before its mass, earlier links
@@ -125,7 +125,7 @@ std::vector<int> independent_columns(const MatrixXd& Y) {
 }
 
 // Moments of all links: independent ones by least squares, the others from `chosen`.
-VectorXd solve(const Samples& samples, const std::vector<int>& independent, VectorXd chosen) {
+VectorXd solve_moments(const Samples& samples, const std::vector<int>& independent, VectorXd chosen) {
   for (const int c : independent) chosen[c] = 0.0;
   MatrixXd Y(samples.Y.rows(), static_cast<Eigen::Index>(independent.size()));
   for (std::size_t k = 0; k < independent.size(); ++k)
@@ -136,7 +136,8 @@ VectorXd solve(const Samples& samples, const std::vector<int>& independent, Vect
   return chosen;
 }
 
-double moment_size(const VectorXd& x, Eigen::Index row) {
+// [kg m] Norm of a link's moment; 0 if it is rounding.
+double moment_norm(const VectorXd& x, Eigen::Index row) {
   const double h = x.segment<3>(kMoments * row).norm();
   return h > kNothing ? h : 0.0;
 }
@@ -144,19 +145,20 @@ double moment_size(const VectorXd& x, Eigen::Index row) {
 // A link with a moment needs a mass. If torques do not determine it, it is chosen; if the chosen mass has an
 // effect, the previous links compensate it, so that moments are solved for again.
 VectorXd with_masses(const Samples& samples, const std::vector<int>& independent) {
-  VectorXd x = solve(samples, independent, VectorXd::Zero(samples.Y.cols()));
+  VectorXd x = solve_moments(samples, independent, VectorXd::Zero(samples.Y.cols()));
   for (int round = 0; round < 2; ++round) {
     for (Eigen::Index row = 0; row < x.size() / kMoments; ++row) {
       const int c = static_cast<int>(kMoments * row) + 3;
       if (std::find(independent.begin(), independent.end(), c) == independent.end())
-        x[c] = moment_size(x, row) / kCentreOffset;
+        x[c] = moment_norm(x, row) / kCentreOffset;
     }
-    x = solve(samples, independent, x);
+    x = solve_moments(samples, independent, x);
   }
   return x;
 }
 
-std::vector<GravityRow> rows_of(const ArmFacts& arm, const VectorXd& x) {
+// Rows with masses and centres from the moments x of all links.
+std::vector<GravityRow> gravity_rows(const ArmFacts& arm, const VectorXd& x) {
   std::vector<GravityRow> rows;
   for (const ArmJoint& joint : arm.joints) {
     if (!joint.dh) continue;
@@ -166,7 +168,7 @@ std::vector<GravityRow> rows_of(const ArmFacts& arm, const VectorXd& x) {
     row.dh = *joint.dh;
     const auto k = static_cast<Eigen::Index>(rows.size());
     row.mass = std::abs(x[kMoments * k + 3]) > kNothing ? x[kMoments * k + 3] : 0.0;
-    if (moment_size(x, k) > 0.0 && row.mass != 0.0) row.com = x.segment<3>(kMoments * k) / row.mass;
+    if (moment_norm(x, k) > 0.0 && row.mass != 0.0) row.com = x.segment<3>(kMoments * k) / row.mass;
     rows.push_back(row);
   }
   return rows;
@@ -182,6 +184,7 @@ VectorXd moments_of(const std::vector<GravityRow>& rows) {
   return x;
 }
 
+// Largest magnitude of every joint, from values sample by sample.
 VectorXd largest_per_joint(const VectorXd& values, std::size_t joints) {
   VectorXd largest = VectorXd::Zero(joints);
   for (Eigen::Index k = 0; k < values.size(); ++k) {
@@ -191,6 +194,7 @@ VectorXd largest_per_joint(const VectorXd& values, std::size_t joints) {
   return largest;
 }
 
+// Throws InvalidInput unless gravity is along -z.
 void require_upright(const Model& model) {
   const Eigen::Vector3d& g = model.gravity();
   require(g.z() < 0.0 && std::hypot(g.x(), g.y()) <= 1e-3 * g.norm(), "model '", model.name(),
@@ -222,10 +226,10 @@ GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm) {
   result.arm = arm.name;
   result.gravity = model.gravity().norm();
   const Model chain = chain_with_bodies(arm, result.gravity);
-  const Match match = match_joints(model, chain, arm);
+  const JointMatch match = match_joints(model, chain, arm);
   const Sampler sampler(model, chain, match);
   const Samples samples = sampler.draw(1, kFitted);
-  result.rows = rows_of(arm, with_masses(samples, independent_columns(samples.Y)));
+  result.rows = gravity_rows(arm, with_masses(samples, independent_columns(samples.Y)));
   const Samples others = sampler.draw(2, kJudged);
   const VectorXd error = others.Y * moments_of(result.rows) - others.tau;
   result.largest_torque = largest_per_joint(others.tau, match.rows.size());

@@ -31,8 +31,8 @@ Json row_json(const GravityRow& row) {
           {"cz", row.com.z()}};
 }
 
-// Index of the joint of a column: 2 for prefix + "3"; -1 for other columns.
-int joint_of(const std::string& column, const std::string& prefix) {
+// Index of the joint of a column, from 0: 2 for prefix + "3"; -1 for other columns.
+int joint_index_of(const std::string& column, const std::string& prefix) {
   if (column.rfind(prefix, 0) != 0 || column.size() == prefix.size()) return -1;
   int joint = 0;
   const char* end = column.data() + column.size();
@@ -60,7 +60,7 @@ Columns columns_of(const std::vector<std::string>& fields, bool header, const st
     return columns;
   }
   for (std::size_t k = 0; k < fields.size(); ++k) {
-    const int position = joint_of(fields[k], "q"), effort = joint_of(fields[k], "tau");
+    const int position = joint_index_of(fields[k], "q"), effort = joint_index_of(fields[k], "tau");
     const bool is_new = (position < 0 || columns.q.emplace(position, k).second) && (effort < 0 || columns.tau.emplace(effort, k).second);
     require(is_new, where, ": found the column '", excerpt(fields[k]), "' twice.");
   }
@@ -71,7 +71,8 @@ Columns columns_of(const std::vector<std::string>& fields, bool header, const st
   return columns;
 }
 
-double number_in(const std::string& field, const std::string& where) {
+// Finite number; throws InvalidInput for other text.
+double parse_number(const std::string& field, const std::string& where) {
   double value = 0.0;
   const char* end = field.data() + field.size();
   const auto [stop, error] = std::from_chars(field.data(), end, value);
@@ -123,14 +124,13 @@ StaticTorques read_static_torques(const std::string& path) {
     }
     require(fields.size() == columns.count, where, ": found ", fields.size(), " fields, expected ",
             columns.count, " as above.");
-    for (const auto& [joint, k] : columns.q) values.push_back(number_in(fields[k], where));
-    for (const auto& [joint, k] : columns.tau) values.push_back(number_in(fields[k], where));
+    for (const auto& [joint, k] : columns.q) values.push_back(parse_number(fields[k], where));
+    for (const auto& [joint, k] : columns.tau) values.push_back(parse_number(fields[k], where));
   }
   require(!values.empty(), path, ": found no rows of numbers, expected positions and efforts.");
   const auto n = static_cast<Eigen::Index>(columns.q.size());
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::Map<const Rows> all(values.data(),
-                                   static_cast<Eigen::Index>(values.size()) / (2 * n), 2 * n);
+  const Eigen::Map<const Rows> all(values.data(), static_cast<Eigen::Index>(values.size()) / (2 * n), 2 * n);
   return {all.leftCols(n), all.rightCols(n)};
 }
 

@@ -17,7 +17,7 @@ struct ExpectedRow {
   bool prismatic = false;
 };
 
-/// Throws unless the arm's rows are modified DH rows of this form.
+/// Throws InvalidInput unless the arm's rows are modified DH rows of this form.
 inline void require_form(const ArmFacts& arm, const std::vector<ExpectedRow>& rows) {
   require(arm.kinematic_joints() == static_cast<int>(rows.size()), arm.name, ": found ",
           arm.kinematic_joints(), " joints with DH rows, expected ", rows.size(),
@@ -42,8 +42,7 @@ inline void require_form(const ArmFacts& arm, const std::vector<ExpectedRow>& ro
 inline Eigen::Matrix4d inverse_pose(const Eigen::Matrix4d& T) {
   Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();
   inverse.topLeftCorner<3, 3>() = T.topLeftCorner<3, 3>().transpose();
-  inverse.topRightCorner<3, 1>() =
-      -(T.topLeftCorner<3, 3>().transpose() * T.topRightCorner<3, 1>());
+  inverse.topRightCorner<3, 1>() = -(T.topLeftCorner<3, 3>().transpose() * T.topRightCorner<3, 1>());
   return inverse;
 }
 
@@ -62,11 +61,11 @@ inline Eigen::Matrix3d shaft_orientation(double yaw, double pitch) {
 /// The best of several solutions: within the limits first, then nearest to `near`. Joints that are not finite
 /// are no solution.
 template <int n>
-class Choice {
+class SolutionChoice {
  public:
   using Joints = Eigen::Matrix<double, n, 1>;
 
-  Choice(const JointRanges<n>& ranges, const Joints& near) : ranges_(ranges), near_(near) {
+  SolutionChoice(const JointRanges<n>& ranges, const Joints& near) : ranges_(ranges), near_(near) {
     best_.q = near;
   }
 

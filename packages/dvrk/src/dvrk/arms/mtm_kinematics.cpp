@@ -9,21 +9,21 @@ namespace {
 
 constexpr double kRight = M_PI / 2.0;
 
-Eigen::Matrix3d rotation_about(double angle, const Eigen::Vector3d& axis) {
+Eigen::Matrix3d turn(double angle, const Eigen::Vector3d& axis) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-Eigen::Matrix3d rotation_about_x(double angle) {
-  return rotation_about(angle, Eigen::Vector3d::UnitX());
+Eigen::Matrix3d turn_x(double angle) {
+  return turn(angle, Eigen::Vector3d::UnitX());
 }
 
-Eigen::Matrix3d rotation_about_z(double angle) {
-  return rotation_about(angle, Eigen::Vector3d::UnitZ());
+Eigen::Matrix3d turn_z(double angle) {
+  return turn(angle, Eigen::Vector3d::UnitZ());
 }
 
 // Rotation from the platform to the last axis, without that axis' own angle.
-Eigen::Matrix3d gimbal(double pitch, double yaw) {
-  return rotation_about_x(kRight) * rotation_about_z(pitch) * rotation_about_x(-kRight) * rotation_about_z(yaw + kRight) * rotation_about_x(-kRight);
+Eigen::Matrix3d wrist_rotation(double pitch, double yaw) {
+  return turn_x(kRight) * turn_z(pitch) * turn_x(-kRight) * turn_z(yaw + kRight) * turn_x(-kRight);
 }
 
 }  // namespace
@@ -46,13 +46,13 @@ MtmKinematics::MtmKinematics(const ArmFacts& arm)
 }
 
 Eigen::Matrix3d MtmKinematics::platform_orientation(const Joints& q) const noexcept {
-  return rotation_about_z(q[0]) * rotation_about_x(-kRight) * rotation_about_z(q[1] + q[2] + M_PI) * rotation_about_x(-kRight) *
-         rotation_about_z(q[3]);
+  return turn_z(q[0]) * turn_x(-kRight) * turn_z(q[1] + q[2] + M_PI) * turn_x(-kRight) *
+         turn_z(q[3]);
 }
 
 InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,
                                                    const Eigen::Vector3d& near) const noexcept {
-  Choice<3> choice(position_ranges_, near);
+  SolutionChoice<3> choice(position_ranges_, near);
   const double reach = std::hypot(forearm_, offset_);
   const double bend = std::atan2(offset_, forearm_);
   const double radius = std::hypot(wrist.x(), wrist.y());
@@ -76,7 +76,7 @@ InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,
 
 InverseSolution<7> MtmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
                                           const Joints& near) const noexcept {
-  Choice<7> choice(ranges_, near);
+  SolutionChoice<7> choice(ranges_, near);
   if (!T_base_tip.allFinite() || !near.allFinite()) return choice.best();
   const Eigen::Matrix4d T = T_base_tip * T_tip_last_;
   const InverseSolution<3> place = inverse_position(T.topRightCorner<3, 1>(), near.head<3>());
@@ -90,7 +90,7 @@ InverseSolution<7> MtmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
   for (const double side : {1.0, -1.0}) {
     q[4] = across < kSingularDistance ? near[4] : std::atan2(-side * R47(2, 2), -side * R47(0, 2));
     q[5] = std::atan2(-R47(1, 2), side * across);
-    const Eigen::Matrix3d roll = gimbal(q[4], q[5]).transpose() * R47;
+    const Eigen::Matrix3d roll = wrist_rotation(q[4], q[5]).transpose() * R47;
     q[6] = std::atan2(roll(1, 0), roll(0, 0)) - M_PI;
     choice.add_candidate(q, singular);
   }

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kRight = M_PI / 2.0;
 
-// Yaw and pitch of a shaft direction. On the axis of yaw any yaw is a solution.
+// Sets yaw and pitch [rad] of the shaft direction u. Along the axis of yaw any yaw is a solution: near_yaw, and
+// `singular` is set.
 void shaft_angles(const Eigen::Vector3d& u, double near_yaw, double& yaw, double& pitch, bool& singular) {
   const double across = std::hypot(u.x(), u.z());
   pitch = std::atan2(-u.y(), across);
@@ -32,8 +33,7 @@ Eigen::Vector3d unit_component_across(const Eigen::Vector3d& v, const Eigen::Vec
   const Eigen::Vector3d part = v - v.dot(n) * n;
   const double length = part.norm();
   if (length > 1e-6) return part / length;
-  const Eigen::Vector3d other =
-      std::abs(n.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d other = std::abs(n.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   return (other - other.dot(n) * n).normalized();
 }
 
@@ -86,7 +86,7 @@ PsmKinematics::Joints PsmKinematics::candidate(const Eigen::Matrix4d& T, double 
 
 InverseSolution<6> PsmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
                                           const Joints& near) const noexcept {
-  Choice<6> choice(ranges_, near);
+  SolutionChoice<6> choice(ranges_, near);
   if (!T_base_tip.allFinite() || !near.allFinite()) return choice.best();
   const Eigen::Matrix4d T = T_base_tip * T_tip_last_;
   for (const double wrist_side : {1.0, -1.0}) {
@@ -113,7 +113,7 @@ EcmKinematics::EcmKinematics(const ArmFacts& arm) : ranges_(arm) {
 InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
                                           const Joints& near) const noexcept {
   constexpr double kMissing = 1e-6;  // [m]
-  Choice<4> choice(ranges_, near);
+  SolutionChoice<4> choice(ranges_, near);
   const Eigen::Vector3d p = T_base_tip.topRightCorner<3, 1>();
   const Eigen::Vector3d u = T_base_tip.block<3, 1>(0, 2);
   const double length = p.dot(u);
@@ -123,8 +123,7 @@ InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
   Joints q;
   shaft_angles(u, near[0], q[0], q[1], singular);
   q[2] = length + remote_ - shaft_;
-  const Eigen::Vector3d x4_3 =
-      shaft_orientation(q[0], q[1]).transpose() * T_base_tip.block<3, 1>(0, 0);
+  const Eigen::Vector3d x4_3 = shaft_orientation(q[0], q[1]).transpose() * T_base_tip.block<3, 1>(0, 0);
   q[3] = std::atan2(x4_3.y(), x4_3.x());
   choice.add_candidate(q, singular);
   return choice.best();

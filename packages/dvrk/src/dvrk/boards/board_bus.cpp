@@ -66,6 +66,7 @@ Route BoardBus::broadcast_route() const {
           ethernet_only_ ? Destination::kMulticast : Destination::kBoard};
 }
 
+// True if all boards have firmware with the same packet layout.
 bool BoardBus::one_group() const noexcept {
   const int group = firmware_group(boards_.front().info.firmware);
   return std::all_of(boards_.begin(), boards_.end(),
@@ -78,15 +79,16 @@ void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
 
 // Reading.
 
-void BoardBus::disconnect(Board& b, Condition why) noexcept {
+// Marks the board's feedback as invalid and counts a lost read.
+void BoardBus::mark_lost_read(Board& b, Condition why) noexcept {
   b.valid = false;
   b.loss = why;
   ++b.lost_reads;
 }
 
-void BoardBus::disconnect_and_log(Board& b, Condition why, std::uint32_t word) noexcept {
+void BoardBus::log_lost_read(Board& b, Condition why, std::uint32_t word) noexcept {
   note(why, b.info.id, {}, word);
-  disconnect(b, why);
+  mark_lost_read(b, why);
 }
 
 bool BoardBus::read() noexcept {
@@ -95,7 +97,7 @@ bool BoardBus::read() noexcept {
   if (state_ == BusState::kRunning && exchange_.generation_changed())
     begin_scan(Condition::kGenerationChanged);
   if (state_ != BusState::kRunning) {
-    for (Board& b : boards_) disconnect(b, Condition::kGenerationChanged);
+    for (Board& b : boards_) mark_lost_read(b, Condition::kGenerationChanged);
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
@@ -116,6 +118,7 @@ bool BoardBus::read() noexcept {
   return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return b.valid; });
 }
 
+// Requests the block of every board, one after the other.
 void BoardBus::read_sequential() noexcept {
   const double start = link_.now();
   link_lost_ = false;
@@ -128,13 +131,13 @@ void BoardBus::read_sequential() noexcept {
                              std::max(left, kShortestWait), block);
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kOk) {
-      accept(b, block, asked);
+      accept_block(b, block, asked);
     } else {
-      disconnect(b, condition_of(result));
+      mark_lost_read(b, condition_of(result));
     }
     if (result == ReadResult::kDropped) {  // nodes may have changed: none is addressed now (specification 17 #3)
       for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
-        disconnect(*other, Condition::kDropped);
+        mark_lost_read(*other, Condition::kDropped);
       if (state_ == BusState::kRunning) begin_scan(Condition::kGenerationChanged);
       return;
     }
@@ -158,7 +161,7 @@ void BoardBus::read_broadcast() noexcept {
       exchange_.read_block({static_cast<std::uint8_t>(hub_node_), false, Destination::kBoard},
                            address::kHub, quadlets, options_.reply_timeout, data);
   if (result != ReadResult::kOk) {
-    for (Board& b : boards_) disconnect(b, condition_of(result));
+    for (Board& b : boards_) mark_lost_read(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kDropped) begin_scan(Condition::kGenerationChanged);
     return;
@@ -172,17 +175,18 @@ void BoardBus::read_broadcast() noexcept {
     const QuadletView block = data.part(at + 1, size);
     at += 1 + size;
     if (word == 0 || block[1] == 0) {
-      disconnect_and_log(b, Condition::kMissingBoard, word);
+      log_lost_read(b, Condition::kMissingBoard, word);
     } else if (firmware >= 8 && header.quadlets != hub_quadlets(firmware)) {
-      disconnect_and_log(b, Condition::kWrongBlockSize, word);
+      log_lost_read(b, Condition::kWrongBlockSize, word);
     } else if (!answers(header, sequence_, firmware)) {
-      disconnect_and_log(b, Condition::kStaleSequence, word);
+      log_lost_read(b, Condition::kStaleSequence, word);
     } else {
-      accept(b, block, asked);
+      accept_block(b, block, asked);
     }
   }
 }
 
+// Interval [s] from the first request to the last reply of this cycle.
 BoardBus::Interval BoardBus::measured() const noexcept {
   Interval all{boards_.front().asked_at, 0.0};
   for (const Board& b : boards_) {
@@ -192,15 +196,17 @@ BoardBus::Interval BoardBus::measured() const noexcept {
   return all;
 }
 
-void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
+// Stores a board's block after checks of its origin, or logs a lost read; `asked` [s] is the time of the
+// request.
+void BoardBus::accept_block(Board& b, QuadletView block, double asked) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
-    disconnect_and_log(b, Condition::kWrongBoard, status.word);
+    log_lost_read(b, Condition::kWrongBoard, status.word);
     if (state_ == BusState::kRunning) begin_scan(Condition::kWrongBoard);
     return;
   }
   if (status.channels() != kChannels) {
-    disconnect_and_log(b, Condition::kWrongHardware, status.word);
+    log_lost_read(b, Condition::kWrongHardware, status.word);
     return;
   }
   // A board that no longer requests relay or power may have restarted (specification 17 #25).
@@ -214,7 +220,8 @@ void BoardBus::accept(Board& b, QuadletView block, double asked) noexcept {
   check_commands(b);
 }
 
-// Detects missed cycles by the timestamp (specification 17 #26). A difference from our clock may mean a restart (#25).
+// Detects missed cycles by the timestamp (specification 17 #26). If it differs from our clock, the board may
+// have restarted (#25) and is checked.
 void BoardBus::check_timestamp(Board& b) noexcept {
   const double now = link_.now();
   const std::optional<double> before = std::exchange(b.read_at, now);

@@ -16,12 +16,14 @@ constexpr double kRelayGrace = 0.050;  // [s] time within which the relay's cont
 
 }  // namespace
 
+// Logs a condition of board index b and escalates the reaction to it.
 void BoardSession::note(Condition condition, Reaction reaction, int b, std::optional<int> c,
                         std::uint32_t value) noexcept {
   faults().note(condition, link_.now(), bus_.info(b).id, c, value);
   escalate(reaction, condition, bus_.info(b).id, c);
 }
 
+// Escalates a lost link, lost replies, reads or writes, and a bus that is being scanned.
 void BoardSession::check_bus() noexcept {
   if (bus_.link_lost()) escalate(Reaction::kPowerOff, Condition::kNotSent);
   if (bus_.reply_loss().too_many()) escalate(Reaction::kPowerOff, Condition::kLostReplies);
@@ -72,11 +74,11 @@ void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
     const double celsius = f.temperature.celsius(sensor);
     if (valid && celsius <= options_.warm) continue;
     const bool hot = valid && celsius > options_.hot;
-    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, {},
-         f.temperature.word);
+    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, {}, f.temperature.word);
   }
 }
 
+// Conditions #17 to #24 of channel c.
 void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept {
   const ChannelFeedback& one = f.channel[c];
   const bool rev8 = bus_.info(b).firmware >= 8;

@@ -88,7 +88,7 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
     std::uint32_t value = 0;
     const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
     if (result != ReadResult::kOk) {
-      disconnect(b, condition_of(result));
+      mark_lost_read(b, condition_of(result));
       if (result == ReadResult::kDropped && state_ == BusState::kRunning)
         begin_scan(Condition::kGenerationChanged);
       return false;
@@ -101,12 +101,12 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
 void BoardBus::read_by_register() noexcept {
   for (Board& b : boards_) {
     if (state_ != BusState::kRunning) {
-      disconnect(b, Condition::kDropped);
+      mark_lost_read(b, Condition::kDropped);
       continue;
     }
     const double asked = link_.now();
     const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
-    if (read_words(b, words)) accept(b, QuadletView(words), asked);
+    if (read_words(b, words)) accept_block(b, QuadletView(words), asked);
   }
 }
 

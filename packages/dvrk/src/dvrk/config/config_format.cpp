@@ -103,10 +103,10 @@ class Lines {
 constexpr int kDeepest = 30;
 
 void require_depth(int depth, const std::string& file) {
-  require(depth < kDeepest, file, ": found elements nested ", depth,
-          " deep, expected a configuration.");
+  require(depth < kDeepest, file, ": found elements nested ", depth, " deep, expected a configuration.");
 }
 
+// Tree of an XML element; throws InvalidInput if it is nested deeper than 30.
 ConfigTree tree_of(const pugi::xml_node& node, const Lines& lines, const std::string& file, int depth = 0) {
   require_depth(depth, file);
   ConfigTree tree;
@@ -126,8 +126,7 @@ ConfigTree tree_of(const pugi::xml_node& node, const Lines& lines, const std::st
   return tree;
 }
 
-ConfigTree tree_of(const std::string& name, const Json& value, const std::string& file,
-                   int depth = 0) {
+ConfigTree tree_of(const std::string& name, const Json& value, const std::string& file, int depth = 0) {
   require_depth(depth, file);
   ConfigTree tree;
   tree.written = name;
@@ -165,7 +164,7 @@ ConfigTree parse_xml(const std::string& content, const std::string& file) {
 constexpr std::size_t kShown = 20;  // characters of the found text in messages
 
 // "file:line:column" of a character.
-std::string place_of(const std::string& content, std::size_t at, const std::string& file) {
+std::string position_text(const std::string& content, std::size_t at, const std::string& file) {
   const auto end = content.begin() + static_cast<std::ptrdiff_t>(std::min(at, content.size()));
   const auto line = std::count(content.begin(), end, '\n');
   const std::size_t start = at > 0 ? content.rfind('\n', at - 1) : std::string::npos;
@@ -173,8 +172,7 @@ std::string place_of(const std::string& content, std::size_t at, const std::stri
 }
 
 bool is_name_character(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' ||
-         c == '_';
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' || c == '_';
 }
 
 // Start of the word that contains a character.
@@ -199,10 +197,10 @@ std::string word_at(const std::string& content, std::size_t at) {
   if (content.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InvalidInput(text(file, ":1:1: found nothing, expected JSON."));
   if (read > content.size())
-    throw InvalidInput(text(place_of(content, content.size(), file),
+    throw InvalidInput(text(position_text(content, content.size(), file),
                             ": found the end of the file, expected the JSON to go on."));
   const std::size_t at = word_start(content, std::max<std::size_t>(read, 1) - 1);
-  throw InvalidInput(text(place_of(content, at, file), ": found ", word_at(content, at),
+  throw InvalidInput(text(position_text(content, at, file), ": found ", word_at(content, at),
                           ", expected JSON, which has nothing like it there."));
 }
 

@@ -24,6 +24,7 @@ enum class ConfigFormat { kXml, kJson };
 
 /// @throws InvalidInput  the text is not XML or JSON.
 ConfigTree parse_config(const std::string& content, const std::string& file, ConfigFormat format);
+/// The tree as text of the format, with a line end.
 std::string print_config(const ConfigTree& tree, ConfigFormat format);
 
 /// JSON's name of an XML element ("BoardID": "board_id"), and the inverse; unchanged if they agree.
@@ -46,6 +47,7 @@ class ConfigNode {
     source.used.insert(&tree);
   }
 
+  /// Throws InvalidInput with the node's position in the file.
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
 
   bool has(const std::string& name) const { return count(name) > 0; }
@@ -63,6 +65,7 @@ class ConfigNode {
   std::string word(const std::string& name, const std::string& fallback) const;
   double number(const std::string& name) const { return at(name).number(); }
   double number(const std::string& name, double fallback) const;
+  /// Numbers above zero, not below zero, other than zero; whole ones from `lower` to `upper`.
   double positive(const std::string& name) const;
   double not_negative(const std::string& name, double fallback) const;
   double nonzero(const std::string& name) const;

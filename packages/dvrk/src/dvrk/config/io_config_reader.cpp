@@ -22,7 +22,8 @@ constexpr double kMostSlide = 1.0;  // [m]
 // cent. Limits in radians that are read as degrees are 1/57 of the travel.
 constexpr double kLeastOfPot = 0.025, kMostOfPot = 8.0;
 
-// Factor to rad or m. A revolute joint has no millimetres. Only JSON, which uses SI, may omit the unit.
+// Factor to rad or m. A revolute joint has no millimetres. Without a unit it is 1 if `has_default` (JSON, which
+// uses SI).
 double unit_factor(const ConfigNode& node, bool prismatic, bool has_default) {
   if (has_default && !node.has("Unit")) return 1.0;
   node.word("Unit");
@@ -31,7 +32,8 @@ double unit_factor(const ConfigNode& node, bool prismatic, bool has_default) {
   return kFactors[node.choice("Unit", {"mm", "cm", "m"}, 0)];
 }
 
-std::string distance_words(double distance, bool prismatic) {
+// A distance in mm or deg, with its unit.
+std::string distance_text(double distance, bool prismatic) {
   return prismatic ? text(1e3 * distance, " mm") : text(180.0 / M_PI * distance, " deg");
 }
 
@@ -42,14 +44,14 @@ void require_plausible(const ConfigNode& actuator, const ActuatorConfig& it, boo
   const double travel = it.upper - it.lower;
   const double most = it.prismatic ? kMostSlide : kMostTurns * 2.0 * M_PI;
   if (!(travel <= most))
-    limits.fail(text("a travel of ", distance_words(travel, it.prismatic)),
-                text("at most ", distance_words(most, it.prismatic),
+    limits.fail(text("a travel of ", distance_text(travel, it.prismatic)),
+                text("at most ", distance_text(most, it.prismatic),
                      ", which no joint exceeds: its Unit is that of other numbers"));
   const double pot = std::abs(it.volts_to_position.scale * it.bits_to_volts.scale) * 65536.0;
   const double share = travel / pot;
   if (pots_scaled && !(share >= kLeastOfPot && share <= kMostOfPot))
-    limits.fail(text("a travel of ", distance_words(travel, it.prismatic), ", where VoltsToPosSI covers ",
-                     distance_words(pot, it.prismatic)),
+    limits.fail(text("a travel of ", distance_text(travel, it.prismatic), ", where VoltsToPosSI covers ",
+                     distance_text(pot, it.prismatic)),
                 text("a share of ", kLeastOfPot, " to ", kMostOfPot, " of it: the Unit of one of them is that of other numbers"));
 }
 
@@ -89,12 +91,10 @@ class Reader {
     robot.name = node.word("Name");
     const std::vector<std::string> hardware{"QLA1", "DQLA", "dRA1"};
     node.word("HardwareVersion");
-    robot.hardware =
-        hardware[node.choice("HardwareVersion", hardware, 0)];
+    robot.hardware = hardware[node.choice("HardwareVersion", hardware, 0)];
     robot.serial = node.word("SN", "");
     if (node.has("BoardSerials")) read_board_serials(node.at("BoardSerials"), robot);
-    robot.io_only =
-        json_ ? node.flag("OnlyIO", false) : node.choice("Type", {"robot", "io-only"}, 0) == 1;
+    robot.io_only = json_ ? node.flag("OnlyIO", false) : node.choice("Type", {"robot", "io-only"}, 0) == 1;
     robot.has_encoder_preload = node.flag("HasEncoderPreload", true);
     node.number("NumOfJoint", 0.0);
     read_actuators(node, robot);
@@ -140,16 +140,14 @@ class Reader {
     node.number("ActuatorID", 0.0);
     actuator.board = board(node);
     actuator.axis = node.integer_in("AxisID", 0, hardware == "QLA1" ? 3 : 9);
-    actuator.prismatic =
-        node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
+    actuator.prismatic = node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
     if (!robot.io_only || node.has("Drive")) read_drive(node.at("Drive"), actuator);
     if (!robot.io_only || node.has("Encoder")) read_encoder(node.at("Encoder"), actuator);
     const ConfigNode pot = node.at("AnalogIn");
     actuator.bits_to_volts = read_scale(pot.at("BitsToVolts"));
     const ConfigNode volts = pot.at("VoltsToPosSI");
     const double unit = unit_factor(volts, actuator.prismatic, json_);
-    actuator.volts_to_position = {unit * volts.nonzero("Scale"),
-                                  unit * volts.number("Offset", 0.0)};
+    actuator.volts_to_position = {unit * volts.nonzero("Scale"), unit * volts.number("Offset", 0.0)};
     if (node.has("AnalogBrake")) actuator.brake = read_brake(node.at("AnalogBrake"), hardware);
     return actuator;
   }
@@ -177,8 +175,7 @@ class Reader {
     actuator.velocity_source =
         static_cast<VelocitySource>(node.choice("VelocitySource", {"FIRMWARE", "SOFTWARE"}, 0));
     const ConfigNode bits = node.at("BitsToPosSI");
-    actuator.bits_to_position =
-        unit_factor(bits, actuator.prismatic, json_) * bits.nonzero("Scale");
+    actuator.bits_to_position = unit_factor(bits, actuator.prismatic, json_) * bits.nonzero("Scale");
     const ConfigNode limits = node.at("PositionLimitsSoft");
     const double unit = unit_factor(limits, actuator.prismatic, json_);
     actuator.lower = unit * limits.number("Lower");
@@ -219,8 +216,8 @@ class Reader {
       tolerance.latency = item.not_negative("Latency", 0.0);
       const double travel = robot.actuators[k].upper - robot.actuators[k].lower;
       if (!robot.io_only && !(tolerance.distance < travel))
-        item.fail(text("a distance of ", distance_words(tolerance.distance, prismatic)),
-                  text("less than the travel of ", distance_words(travel, prismatic), " between the soft limits"));
+        item.fail(text("a distance of ", distance_text(tolerance.distance, prismatic)),
+                  text("less than the travel of ", distance_text(travel, prismatic), " between the soft limits"));
       robot.pot_tolerances.push_back(tolerance);
     }
     if (!robot.pot_tolerances.empty() && node.count("Tolerance") != robot.size())
@@ -266,8 +263,7 @@ class Reader {
     const int flags = (node.flag("trigger_when_pressed", true) ? 1 : 0) +
                       (node.flag("trigger_when_released", true) ? 2 : 0);
     const int by_flags[] = {3, 1, 2, 0};
-    input.trigger =
-        triggers[node.choice("Trigger", triggers, by_flags[flags])];
+    input.trigger = triggers[node.choice("Trigger", triggers, by_flags[flags])];
     input.debounce = seconds(node, "Debounce", 0.0);
     input.debounce_click = seconds(node, "DebounceClick", 0.2 * input.debounce);
     input.skip_first_run = node.flag("SkipFirstRun", false);

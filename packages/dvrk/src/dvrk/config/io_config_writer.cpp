@@ -8,7 +8,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-std::string shortest(double value) {
+// The shortest decimal text that reads as the same number.
+std::string shortest_decimal(double value) {
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
   return {buffer, end};
@@ -28,7 +29,7 @@ void add_text(ConfigTree& tree, const std::string& name, const std::string& valu
 
 void add_number(ConfigTree& tree, const std::string& name, double value) {
   require(std::isfinite(value), "configuration: found ", value, " as ", name, " to write, expected a finite number.");
-  add_text(tree, name, shortest(value));
+  add_text(tree, name, shortest_decimal(value));
   tree.members.back().quoted = false;
 }
 
@@ -198,7 +199,7 @@ class Writer {
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
       std::string numbers;
       for (Eigen::Index column = 0; column < matrix.cols(); ++column)
-        numbers += (column == 0 ? "" : json_ ? "," : " ") + shortest(matrix(row, column));
+        numbers += (column == 0 ? "" : json_ ? "," : " ") + shortest_decimal(matrix(row, column));
       if (json_) {
         add_text(tree, rows.name, "[" + numbers + "]");
         tree.members.back().quoted = false;

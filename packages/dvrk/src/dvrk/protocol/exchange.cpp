@@ -65,6 +65,7 @@ void Exchange::drain() noexcept {
   }
 }
 
+// True if a datagram is another reply to a request that was sent twice.
 bool Exchange::answers_repeated(ByteView datagram) const noexcept {
   constexpr std::size_t kWithLabel = 8;
   if (!repeated_ || datagram.size <= kWithLabel) return false;
@@ -145,14 +146,14 @@ ReadResult Exchange::await(const Request& request, double until, Reply& reply) n
   }
 }
 
+// Counts a request; after every ReplyLoss::kRequests of them the lost replies are stored in loss_.
 void Exchange::count_request() noexcept {
   if (silence_expected_ || ++requests_ < ReplyLoss::kRequests) return;
   loss_.lost = lost_;
   requests_ = lost_ = 0;
 }
 
-ReadResult Exchange::read(const Request& request, const Route& route, double timeout,
-                          Reply& reply) noexcept {
+ReadResult Exchange::read(const Request& request, const Route& route, double timeout, Reply& reply) noexcept {
   drain();
   if (!send(request, route)) return ReadResult::kNotSent;
   const double until = link_.now() + timeout;
@@ -182,8 +183,7 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
 ReadResult Exchange::read(const Route& route, std::uint16_t address, double timeout,
                           std::uint32_t& value) noexcept {
   Reply reply;
-  const ReadResult result =
-      read(request(route, Tcode::kQuadletRead, address), route, timeout, reply);
+  const ReadResult result = read(request(route, Tcode::kQuadletRead, address), route, timeout, reply);
   if (result == ReadResult::kOk) value = reply.data;
   return result;
 }

@@ -10,7 +10,7 @@ constexpr std::uint32_t query_word(std::uint16_t sequence, std::uint16_t boards)
   return (static_cast<std::uint32_t>(sequence) << 16) | boards;
 }
 
-/// Sequence numbers run 1, 2, ..., 65535, 1, ...: never 0.
+/// The sequence number after this one: 1, 2, ..., 65535, 1, ...; never 0.
 constexpr std::uint16_t next_sequence(std::uint16_t sequence) {
   return sequence == 0xFFFF ? std::uint16_t{1} : static_cast<std::uint16_t>(sequence + 1);
 }

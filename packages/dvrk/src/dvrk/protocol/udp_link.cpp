@@ -20,12 +20,14 @@ namespace {
 
 constexpr double kSpun = 60e-6;                   // [s] shorter waits poll the clock instead of sleeping
 
-timespec span(double seconds) {
+// Seconds as a timespec.
+timespec to_timespec(double seconds) {
   const double whole = std::floor(seconds);
   return {static_cast<time_t>(whole), static_cast<long>((seconds - whole) * 1e9)};
 }
 
-sockaddr_in place(std::uint32_t address, std::uint16_t port) {
+// Socket address of an IPv4 address in host byte order.
+sockaddr_in socket_address(std::uint32_t address, std::uint16_t port) {
   sockaddr_in at{};
   at.sin_family = AF_INET;
   at.sin_addr.s_addr = htonl(address);
@@ -33,6 +35,7 @@ sockaddr_in place(std::uint32_t address, std::uint16_t port) {
   return at;
 }
 
+// IPv4 address in host byte order; throws InvalidInput if the name is unknown.
 std::uint32_t resolve_host(const std::string& host) {
   addrinfo hints{};
   hints.ai_family = AF_INET;
@@ -51,7 +54,7 @@ in_addr own_address(std::uint32_t server, std::uint16_t port) {
   sockaddr_in own{};
   const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (probe < 0) return own.sin_addr;
-  const sockaddr_in there = place(server, port);
+  const sockaddr_in there = socket_address(server, port);
   socklen_t size = sizeof own;
   if (::connect(probe, reinterpret_cast<const sockaddr*>(&there), sizeof there) == 0)
     ::getsockname(probe, reinterpret_cast<sockaddr*>(&own), &size);
@@ -94,7 +97,7 @@ bool UdpLink::send(ByteView datagram, Destination to) noexcept {
   const std::uint32_t address = to == Destination::kEveryone    ? broadcast_
                                 : to == Destination::kMulticast ? kMulticastGroup
                                                                 : board_;
-  const sockaddr_in at = place(address, port_);
+  const sockaddr_in at = socket_address(address, port_);
   const auto sent = ::sendto(socket_, datagram.data, datagram.size, MSG_NOSIGNAL,
                              reinterpret_cast<const sockaddr*>(&at), sizeof at);
   return sent == static_cast<ssize_t>(datagram.size);
@@ -103,7 +106,7 @@ bool UdpLink::send(ByteView datagram, Destination to) noexcept {
 Arrival UdpLink::receive(ByteSpan buffer, double timeout) noexcept {
   if (timeout > 0.0) {
     pollfd wanted{socket_, POLLIN, 0};
-    const timespec most = span(timeout);
+    const timespec most = to_timespec(timeout);
     if (::ppoll(&wanted, 1, &most, nullptr) <= 0) return {};
   }
   sockaddr_in from{};
@@ -127,7 +130,7 @@ void UdpLink::wait(double seconds) noexcept {
     }
     return;
   }
-  timespec left = span(seconds);
+  timespec left = to_timespec(seconds);
   while (::clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left) == EINTR) {
   }
 }

@@ -72,7 +72,6 @@ VectorXd default_largest_errors(const RobotConfig& robot) {
   return out;
 }
 
-// Computed as if only one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm) {
   const int n = arm.joints();
   VectorXd effort(n);
@@ -152,6 +151,7 @@ std::string encoder_remark(const FaultLog& faults) {
               ": positions are not to be relied on");
 }
 
+// Throws InvalidInput unless time [s] and rate [Hz] are positive.
 void require_time(const ArmSession& arm, double seconds, double rate) {
   require(rate > 0.0 && std::isfinite(rate) && seconds > 0.0, "arm '", arm.robot().name,
           "': expected a positive rate and a positive time.");

@@ -86,7 +86,7 @@ class BoardBus {
   BusState state() const { return state_; }
   CycleProtocol protocol() const { return protocol_; }
   bool ethernet_only() const { return ethernet_only_; }
-  int boards() const { return static_cast<int>(boards_.size()); }  ///< their indices ascend with their ids
+  int boards() const { return static_cast<int>(boards_.size()); }
   const BoardInfo& info(int b) const { return boards_[b].info; }
   const FaultLog& faults() const { return log_; }
   FaultLog& faults() { return log_; }
@@ -95,7 +95,7 @@ class BoardBus {
   bool read() noexcept;
   /// While silent, reads send no query, because a query is a write that resets watchdogs (specification 14.1).
   void set_silent(bool silent) noexcept { silent_ = silent; }
-  bool valid(int b) const { return boards_[b].valid; }  ///< true: the last read of board b was valid
+  bool valid(int b) const { return boards_[b].valid; }
   const BoardFeedback& feedback(int b) const { return boards_[b].feedback; }
   /// Cycles in a row without a valid read.
   int lost_reads(int b) const { return boards_[b].lost_reads; }
@@ -185,13 +185,13 @@ class BoardBus {
     std::optional<int> board = {};  ///< index in boards_, or the id that occurs twice; nullopt: no objection
   };
 
-  Route route(const Board& b) const;  ///< to a board with a known node
+  Route route(const Board& b) const;
   Route route_to(int node) const;
-  Route broadcast_route() const;  ///< to all boards
+  Route broadcast_route() const;
   void note(Condition condition, std::optional<int> board = {}, std::optional<int> channel = {},
             std::uint32_t value = 0) noexcept;
 
-  bool listens() const { return options_.access != Access::kDrive; }  ///< true: this program never commands the boards
+  bool listens() const { return options_.access != Access::kDrive; }
   void listen() noexcept;
   void find_hub();
   void set_gap_count() noexcept;
@@ -207,11 +207,11 @@ class BoardBus {
   void read_by_register() noexcept;
   bool read_words(Board& b, QuadletSpan words) noexcept;
   void read_broadcast() noexcept;
-  void accept(Board& b, QuadletView block, double asked) noexcept;
+  void accept_block(Board& b, QuadletView block, double asked) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
-  void disconnect(Board& b, Condition why) noexcept;  ///< marks a board as not valid, for this reason
-  void disconnect_and_log(Board& b, Condition why, std::uint32_t word) noexcept;
+  void mark_lost_read(Board& b, Condition why) noexcept;
+  void log_lost_read(Board& b, Condition why, std::uint32_t word) noexcept;
   void poll_registers() noexcept;
   void check_registers(Board& b) noexcept;
   void check_written_commands() noexcept;
@@ -219,9 +219,8 @@ class BoardBus {
 
   bool nodes_known() const noexcept;
   void write_blocks() noexcept;
-  /// After a write: keeps the commands written for check_commands(), and empties the board's next command.
   void store_written(Board& b) noexcept;
-  bool one_group() const noexcept;  ///< true: the firmware of all boards belongs to one group
+  bool one_group() const noexcept;
 
   DatagramLink& link_;
   BusOptions options_;

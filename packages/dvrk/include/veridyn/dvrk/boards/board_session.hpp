@@ -163,8 +163,7 @@ class BoardSession {
   void enter(PowerState state) noexcept;
   void escalate(Reaction reaction, Condition condition, std::optional<int> board = {},
              std::optional<int> channel = {}) noexcept;
-  void note(Condition condition, Reaction reaction, int b, std::optional<int> c,
-            std::uint32_t value) noexcept;
+  void note(Condition condition, Reaction reaction, int b, std::optional<int> c, std::uint32_t value) noexcept;
   void check_bus() noexcept;
   void check_board(int b) noexcept;
   void check_relay(int b, const BoardFeedback& f) noexcept;

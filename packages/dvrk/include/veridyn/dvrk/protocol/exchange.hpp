@@ -51,8 +51,7 @@ class Exchange {
   Exchange(DatagramLink& link, FaultLog& log) : link_(link), log_(log) {}
 
   /// @param timeout  [s] for the reply.
-  ReadResult read(const Route& route, std::uint16_t address, double timeout,
-                  std::uint32_t& value) noexcept;
+  ReadResult read(const Route& route, std::uint16_t address, double timeout, std::uint32_t& value) noexcept;
   /// @param block  valid until the next read.
   ReadResult read_block(const Route& route, std::uint16_t address, std::size_t quadlets,
                         double timeout, QuadletView& block) noexcept;
@@ -88,8 +87,7 @@ class Exchange {
   Request request(const Route& route, Tcode tcode, std::uint16_t address) noexcept;
   bool send(const Request& request, const Route& route) noexcept;
   void drain() noexcept;
-  ReadResult read(const Request& request, const Route& route, double timeout,
-                  Reply& reply) noexcept;
+  ReadResult read(const Request& request, const Route& route, double timeout, Reply& reply) noexcept;
   /// @param until  [s] of the link's clock. @returns kNoReply, without an entry in the log, if nothing came.
   ReadResult await(const Request& request, double until, Reply& reply) noexcept;
   bool answers_repeated(ByteView datagram) const noexcept;

@@ -48,8 +48,7 @@ CycleOptions cycle_of(const Model& model, const VectorXd& largest, const ModelCo
 JointGains joint_gains(int joints, const ModelControlOptions& options) {
   if (options.joint_gains) return *options.joint_gains;
   const double frequency = options.frequency;
-  return {VectorXd::Constant(joints, frequency * frequency),
-          VectorXd::Constant(joints, 2.0 * frequency)};
+  return {VectorXd::Constant(joints, frequency * frequency), VectorXd::Constant(joints, 2.0 * frequency)};
 }
 
 ImpedanceGains tip_gains(const ModelControlOptions& options) {

@@ -45,8 +45,7 @@ std::string header(Eigen::Index joints) {
 
 void add(double value, int digits, std::string& line) {
   char number[40];
-  const auto end =
-      std::to_chars(number, number + sizeof number, value, std::chars_format::general, digits);
+  const auto end = std::to_chars(number, number + sizeof number, value, std::chars_format::general, digits);
   line.append(number, end.ptr);
 }
 
