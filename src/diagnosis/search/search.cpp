@@ -409,7 +409,10 @@ class Search {
       }
       if (!gone) return any;
       any = true;
-      if (++cleaned_[current_.terms[*gone].term.place] > 1 || is_refuted) aside_.insert(current_.terms[*gone].term.place);
+      // One of several memories or waves of a place says nothing about the others.
+      const std::string place = current_.terms[*gone].term.place;
+      const bool is_alone = std::count_if(current_.terms.begin(), current_.terms.end(), [&](const Chosen& c) { return c.term.place == place; }) == 1;
+      if (is_alone && (++cleaned_[place] > 1 || is_refuted)) aside_.insert(place);
       const bool moved = current_.terms[*gone].term.is_linearised();
       current_.terms.erase(current_.terms.begin() + static_cast<long>(*gone));
       if (moved) current_.move_to(current_.arm_of(current_.terms));

@@ -100,7 +100,7 @@ class PivotFit {
     weighted_ = true;
   }
 
-  // Sets Huber's weights; with `outlier` > 0 standard deviations, marks outliers and weighs them by zero.
+  // Sets Huber's weights or, with `outlier` > 0 standard deviations, marks outliers and weighs them by 0, inliers by 1.
   void weigh(double outlier) {
     out_.is_outlier.assign(poses_.size(), 0);
     for (std::size_t k = 0; k < poses_.size(); ++k) {
