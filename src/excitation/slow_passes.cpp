@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSlowest = 0.01;      // slowest pass, as a share of the largest speed
 constexpr double kFastest = 0.1;       // fastest pass, as a share of the largest speed
-constexpr double kWayOut = 3.0;        // [s] duration of the outward motion
+constexpr double kWayOut = 3.0;        // [s] longest duration of the outward motion
 constexpr double kShortestWay = 0.3;   // [s] shortest motion at constant speed
 constexpr double kShortestRamp = 0.2;  // [s] shortest acceleration from rest
 constexpr double kRoom = 0.95;         // share of the available range that is used

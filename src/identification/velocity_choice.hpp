@@ -42,7 +42,7 @@ RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& ho
 std::vector<RecordingQuality> quick_quality(const Model& arm, const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads);
 
-/// Derives the velocities of these joints from the position, in training and in held-out recordings.
+/// Sets in the options that these joints' velocities are derived from the position, in training and held-out recordings.
 void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 
 /// Assesses the velocities by the first rows of these recordings. Empty if the choice has been made: by a

@@ -129,7 +129,7 @@ json identify_thesis_arm(const std::function<json(const Words&)>& identify) {
   return identify(words + Words{"--filter-cutoff", "3.5", "--filter-order", "8"});
 }
 
-TEST_F(RealRecordings, TheErrataReduceTheErrorOfTheThesisArm) {
+TEST_F(RealRecordings, TheThesisArmKeepsItsRecordedErrors) {
   const json out =
       identify_thesis_arm([this](const Words& words) { return identify("psm-3dof", words); });
   ASSERT_FALSE(out.is_null());

@@ -22,7 +22,7 @@ struct FactorSet {
 /// Compresses recordings in parallel; of many recordings the blocks of each are merged, as in
 /// identify(). An arm whose file has no friction gets plain friction (JointFriction::kAuto), which an
 /// identification may drop.
-/// @throws InvalidInput  as compress().
+/// @throws InvalidInput  as the compress() of one recording.
 FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
                    const PreprocessingOptions& options = {}, int threads = 0);
 

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kSingular = 1e-6;  // threshold relative to the square of the grasps' mean distance
+constexpr double kSingular = 1e-6;  // damping relative to the square of the grasps' mean distance
 constexpr int kSteps = 3;           // Gauss-Newton steps per cycle
 
 Matrix3d cross_matrix(const Vector3d& a) {

@@ -8,8 +8,7 @@ namespace veridyn::search {
 
 /// gain of a term >= kStandardErrorsWithoutTest * its standard error over blocks where no held-out recording can repeat the
 /// test (below kManyBlocks the quantile kProbabilityWithoutTest of Student's distribution takes its place); else
-/// >= kStandardErrorsWithTest * its standard error, and once more on the held-out recordings, to which no term is fitted. A
-/// term is refuted if a joint gets worse by kStandardErrorsWithoutTest * the standard error.
+/// >= kStandardErrorsWithTest * its standard error, and once more on the held-out recordings, to which no term is fitted.
 constexpr double kStandardErrorsWithoutTest = 2.0, kProbabilityWithoutTest = 0.97725, kStandardErrorsWithTest = 1.0;
 constexpr int kManyBlocks = 30;
 /// relative decrease of the mean square of the joint that a term helps most >= kSmallestDecrease, else the term does not matter.
@@ -17,7 +16,7 @@ constexpr double kSmallestDecrease = 0.02;
 /// ln of the prior odds of a frequent cause against a seldom one (kPriceOfSeldom), a constant of the robot file, one
 /// that can imitate many others, and curves of one and of two signals; the priors of a dictionary sum to one.
 constexpr double kPriceOfSeldom = 2.0, kConstantPrice = 4.0, kImitator = 3.5, kCurveOfOne = 5.0, kCurveOfTwo = 6.5;
-/// price [nats] of a shape constant that is polished, and of every parameter beyond the first.
+/// price [nats] of a shape constant that is refined, and of every parameter beyond the first.
 constexpr double kPolished = 1.0;
 /// deviation of friction levels and offsets from day to day, as a share of the level.
 constexpr double kDailyFrictionDeviation = 0.1;

@@ -86,7 +86,7 @@ class Rows {
 
 /// Folds are whole recordings where there are three or more, else contiguous parts. Equal phases of a motion
 /// that repeats belong to one fold; otherwise one period would predict the other.
-/// @param periods  [s] of the recordings; 0: no repetition. @param block_seconds  [s] of a block.
+/// @param periods  [s] of the recordings; 0: no repetition. @param cutoff  [Hz] of the rows' filter, which spreads a row over its neighbours at the borders of folds.
 Folds folds_of(const Rows& rows, const std::vector<double>& periods, double cutoff, double block_seconds);
 
 }  // namespace veridyn::search

@@ -23,7 +23,7 @@ struct KnownEffects {
 
 /// The forces in the places where simulators store them: at joints, at tendons, or in motors.
 struct PlacedEffects {
-  std::vector<SimpleForce> along;   ///< one force per coordinate, scaled to its own axis
+  std::vector<SimpleForce> along;   ///< one force per coordinate, converted to that coordinate
   std::vector<SimpleForce> across;  ///< along several coordinates at once
   VectorXd constants;               ///< constant per coordinate; constants of springs are in the springs
 };

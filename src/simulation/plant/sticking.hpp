@@ -52,7 +52,7 @@ class Sticking {
 
  private:
   void collect();  // computes rest_ and its derived members
-  bool stays_at_rest(const double* held);  ///< true: friction holds all axes at rest, with the forces that it stores
+  bool stays_at_rest(const double* held);  ///< true if friction holds all axes at rest; stores the forces of friction
   void release(const double* L, double* y);
   // Computes shares_: the map from a force within the span to the smallest forces of the axes.
   void invert();

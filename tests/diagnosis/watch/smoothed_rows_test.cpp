@@ -147,7 +147,7 @@ TEST(SmoothedRowsAtRest, AreUsed) {
 }
 
 // Absurd numbers are no torques, and a time that is no number is none.
-TEST(SmoothedRowsOfDamage, AreReportedAsUnusable) {
+TEST(SmoothedRows, ReportAbsurdTorquesAsUnusableAndSkipTimesThatAreNoNumber) {
   Recording r = parabolas(4.0);
   r.tau.bottomRows(400).col(1).setConstant(-2e6);
   const Heard h = received_events(file(), {r});

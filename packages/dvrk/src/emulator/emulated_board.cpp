@@ -125,8 +125,8 @@ void EmulatedBoard::apply_command(const BoardCommand& command) noexcept {
       c.mode = told.mode;
     }
     if (setup_.firmware < 8) continue;
-    if (told.amp == AmpRequest::kOn) {  // affects this channel only
-      clear_watchdog();
+    if (told.amp == AmpRequest::kOn) {
+      clear_watchdog();  // of the whole board
       clear_trip(c);
     }
     apply_amp(c, told.amp, power_requested_);

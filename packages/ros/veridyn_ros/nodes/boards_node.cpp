@@ -148,12 +148,12 @@ class Boards {
       boards.set_torques(arm.tau);
     }
     boards.write();
-    if (valid && !(arm.refused && arm.enabled)) put(arm);  // missing positions are a fault of the controller
+    if (valid && !(arm.refused && arm.enabled)) write_state(arm);  // missing positions are a fault of the controller
     if (why == nullptr && arm.refused) return;              // the last text is kept
     arm.words.write({why != nullptr ? why : boards.ready() ? "on" : boards.powered() ? "powering up" : "off"});
   }
 
-  void put(Arm& arm) noexcept {
+  void write_state(Arm& arm) noexcept {
     MotorState s;
     for (Eigen::Index i = 0; i < arm.joints; ++i) {
       s.q[i] = arm.boards->q()[i];

@@ -20,7 +20,7 @@ std::string to_json(const AxesCalibration& axes);
 /// `calibrate rcm`: rcm, tip, rms, interval.
 std::string to_json(const RemoteCenter& centre);
 
-/// `calibrate links`: constants, named, held_out_rms.
+/// `calibrate links`: constants, named, held_out_rms; `comparison` is a sentence on another result.
 std::string to_json(const LinksCalibration& links, const std::string& model_file = "",
                     const std::string& comparison = "");
 

@@ -77,7 +77,7 @@ struct LiveArm {
 /// Callbacks of a live run, called every LiveOptions::tell seconds and after each command.
 struct LiveReport {
   std::function<void(const std::string&)> state;  ///< "t=1.200 state=tracks tip=... force=..."
-  std::function<void(const std::string&)> refused;  ///< receives a line that could not be parsed
+  std::function<void(const std::string&)> refused;  ///< receives the reason of each refusal
   /// Time [s] and arms, in the scenario's order, together with `state`.
   std::function<void(double, const std::vector<LiveArm>&)> arms{};
 };

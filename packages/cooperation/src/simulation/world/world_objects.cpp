@@ -55,9 +55,9 @@ void World::State::add_walls(double share, double h) {
   }
 }
 
-Eigen::Vector3d World::State::BodyMotion::spin(const Eigen::Vector3d& inertia) const {
+Eigen::Vector3d World::State::BodyMotion::angular_velocity(const Eigen::Vector3d& principal_moments) const {
   const Eigen::Vector3d in_body = R.transpose() * spin_momentum;
-  return R * in_body.cwiseQuotient(inertia);
+  return R * in_body.cwiseQuotient(principal_moments);
 }
 
 void World::State::add_bodies(double share, double h) {
@@ -65,7 +65,7 @@ void World::State::add_bodies(double share, double h) {
     const HeldBody& what = objects.bodies[k];
     BodyMotion& body = bodies[k];
     body.force += share * what.mass * gravity;
-    const Eigen::Vector3d spin = body.spin(what.inertia);
+    const Eigen::Vector3d spin = body.angular_velocity(what.inertia);
     for (const HeldBody::Grasp& g : what.grasps) {
       if (!g.attached) continue;
       const PointMotion hand = point(g.held_by);
@@ -92,7 +92,7 @@ void World::State::predict_bodies(double h) {
     body.v = from.v + h * a;
     body.spin_momentum = from.spin_momentum + 0.5 * h * rates[k].moment;
     body.R = from.R;
-    const Eigen::Vector3d turn = h * body.spin(what.inertia);
+    const Eigen::Vector3d turn = h * body.angular_velocity(what.inertia);
     if (turn.norm() > 0.0)
       body.R = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * from.R;
     body.spin_momentum = from.spin_momentum + h * rates[k].moment;
@@ -118,7 +118,7 @@ Eigen::Vector3d World::grasp_force(int body, int grasp) const {
   const PointMotion hand = s.point(g.held_by);
   const Eigen::Vector3d arm = b.R * g.point_body;
   return -g.stiffness * (hand.position - b.p - arm) -
-         g.damping * (hand.velocity - b.v - b.spin(what.inertia).cross(arm));
+         g.damping * (hand.velocity - b.v - b.angular_velocity(what.inertia).cross(arm));
 }
 
 HeldBody World::body(int index) const {
@@ -135,7 +135,7 @@ Eigen::Vector3d World::body_velocity(int index) const {
 Eigen::Vector3d World::body_spin(int index) const {
   const State& s = *state_;
   return s.bodies.at(index)
-      .spin(s.objects.bodies[index].inertia);
+      .angular_velocity(s.objects.bodies[index].inertia);
 }
 
 double World::object_energy() const {
@@ -150,7 +150,7 @@ double World::object_energy() const {
   for (size_t k = 0; k < s.bodies.size(); ++k) {
     const HeldBody& what = s.objects.bodies[k];
     const State::BodyMotion& b = s.bodies[k];
-    sum += 0.5 * what.mass * b.v.squaredNorm() + 0.5 * b.spin(what.inertia).dot(b.spin_momentum);
+    sum += 0.5 * what.mass * b.v.squaredNorm() + 0.5 * b.angular_velocity(what.inertia).dot(b.spin_momentum);
     for (const HeldBody::Grasp& g : what.grasps) {
       if (!g.attached) continue;
       const Eigen::Vector3d gap = s.point(g.held_by).position - b.p - b.R * g.point_body;

@@ -32,7 +32,7 @@ struct World::State {
     Eigen::Vector3d p, v, spin_momentum;  // momentum about the centre, in the world
     Eigen::Matrix3d R;
     Eigen::Vector3d force, moment;  // mean over a substep
-    Eigen::Vector3d spin(const Eigen::Vector3d& inertia) const;
+    Eigen::Vector3d angular_velocity(const Eigen::Vector3d& principal_moments) const;  ///< [rad/s] in the world
   };
 
   void check() const;

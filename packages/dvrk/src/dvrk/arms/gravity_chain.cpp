@@ -55,8 +55,8 @@ Model chain_with_bodies(const ArmFacts& arm, double gravity) {
 
 // Gravity torques of model and chain at random configurations within the limits of both.
 struct Samples {
-  MatrixXd Y;    // (samples * joints x 4 * rows)
-  VectorXd tau;  // (samples * joints), sample by sample
+  MatrixXd Y;    // (samples * matched joints x 4 * joints of the chain)
+  VectorXd tau;  // (samples * matched joints), sample by sample
 };
 
 class Sampler {

@@ -77,8 +77,6 @@ void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
   boards_[b].zero[channel] = bits;
 }
 
-// Reading.
-
 // Marks the board's feedback as invalid and counts a lost read.
 void BoardBus::mark_lost_read(Board& b, Condition why) noexcept {
   b.valid = false;

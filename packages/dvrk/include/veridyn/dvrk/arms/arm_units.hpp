@@ -22,7 +22,7 @@ struct BoardArmState {
   explicit BoardArmState(int n = 0);
 
   VectorXd q, dq, tau;                             ///< Joint values; tau from measured currents
-  VectorXd actuator_q, actuator_dq, actuator_tau;  ///< Actuator values
+  VectorXd actuator_q, actuator_dq, actuator_tau;
   VectorXd current;                                ///< measured [A]
   VectorXd pot_q;                                  ///< actuator positions from the pots
 };
