@@ -12,6 +12,7 @@
 #include "recordings/named_recordings.hpp"
 #include "recordings/steady_runs.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
@@ -89,9 +90,17 @@ Model with_open_friction(const Model& arm) {
   return Model(std::move(d));
 }
 
+<<<<<<< HEAD
 // Friction effects that stand for themselves: neither parts of others nor tables.
 std::vector<std::string> friction_effect_names() {
+=======
+// Kinds of friction, and the errors of a joint's channels, which imitate them: a late torque looks like a backlash.
+std::vector<std::string> kinds_of_friction() {
+>>>>>>> h2
   std::vector<std::string> out;
+  for (const ChannelEffect* effect : channel_effects()) {
+    if (dynamic_cast<const SensorError*>(effect) != nullptr) out.push_back(effect->name());
+  }
   for (const AxisEffect* effect : axis_effects()) {
     const EffectTraits traits = effect->traits();
     if (traits.role == EffectRole::kFriction && !traits.elementary && !traits.tabulated)
@@ -210,7 +219,8 @@ std::vector<FrictionVerdict> verdicts_of(const Diagnosis& d, int joint) {
   };
   std::vector<FrictionVerdict> out;
   for (const Finding& f : d.findings) {
-    if (!here(f.cause)) continue;
+    const bool is_of_all = !acting_joint(arm, f.cause);  // a common clock
+    if (!here(f.cause) && !is_of_all) continue;
     out.push_back({f.shape ? UnnamedShape::kName : effect_of(f.cause),
                    f.status == FindingStatus::kConfirmed ? FrictionState::kConfirmed
                                                          : FrictionState::kNotConfirmed,

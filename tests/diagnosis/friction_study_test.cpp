@@ -133,6 +133,18 @@ TEST_F(OneJoint, HiddenFrictionIsConfirmed) {
   EXPECT_LT(found.joints.front().error, 0.7 * found.joints.front().error_plain);
 }
 
+// A torque that comes late lags at each reversal, as behind a gap in the gear.
+TEST_F(OneJoint, ALateTorqueIsNoBacklash) {
+  const FrictionStudy found = study({"time_delay:yaw:seconds=0.06"}, read_model("psm-3dof"));
+  ASSERT_EQ(found.joints.size(), 1u);
+  const FrictionVerdict *late = find(found, "time_delay"), *gap = find(found, "backlash");
+  ASSERT_NE(late, nullptr) << found.report();
+  EXPECT_EQ(late->state, FrictionState::kConfirmed) << found.report();
+  EXPECT_TRUE(gap == nullptr || gap->state != FrictionState::kConfirmed) << found.report();
+  const double level = parameter("coulomb_friction", "level");
+  EXPECT_NEAR(found.joints.front().curve.at(0.2), level + 0.2 * parameter("viscous_friction", "coefficient"), 0.05 * level);
+}
+
 TEST_F(OneJoint, BodiesOfAModelAreKeptAndItsFrictionIsEstimated) {
   ModelDescription d = arm_.description();
   for (EffectTerm& term : d.effects)

@@ -17,6 +17,7 @@
 #include "diagnosis/search/numbers.hpp"
 #include "diagnosis/search/tables.hpp"
 #include "diagnosis/search/vibration.hpp"
+#include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
@@ -72,6 +73,7 @@ class Explanation {
     d_.remarks = x_.remarks;
     weigh_rows();
     add_findings();
+    erase_zeros();
     fit();
     add_contacts();
     add_rejected_causes();
@@ -154,6 +156,26 @@ class Explanation {
     return d_.changes && found_.values.size() > 0 ? with_values(*x_.start.model, found_.values, VectorXd()) : *x_.start.model;
   }
 
+  // True if the interval of every value of a term holds zero. The values of a tilt are relative to its own gravity; the constant
+  // torque of a spring without stiffness is no spring.
+  bool may_be_zero(const Chosen& c) const {
+    if (c.term.kind == TermKind::kCurve || c.gravity) return false;
+    const double t = student_t_quantile(numerics::kOutside, static_cast<double>(found_.degrees_of_freedom));
+    const Eigen::Index count = c.values.size() - static_cast<Eigen::Index>(c.term.with_rest);
+    return (c.values.head(count).array().abs() <= t * c.deviations.head(count).array()).all();
+  }
+
+  // What may be zero is no finding, even if its place in the set gains something: another term of the set has its torque. A
+  // level that differs from day to day stays, because the MODEL's own values explain it only at the cost of their prior.
+  void erase_zeros() {
+    for (size_t f = of_finding_.size(); f-- > 0;) {
+      const std::vector<size_t>& own = of_finding_[f];
+      if (!std::all_of(own.begin(), own.end(), [&](size_t k) { return may_be_zero(found_.chosen[k]); })) continue;
+      if (found_.chosen[own.front()].term.is_daily) d_.findings[f].remark = "Within their uncertainty, other values of the model may explain it as well.";
+      else drop_finding(f, "beside the other findings the 95 % interval of each of its values holds zero");
+    }
+  }
+
   // Fits the arm with all named terms under physical conditions. A term whose size ends at its bound is
   // dropped.
   void fit() {
@@ -188,7 +210,7 @@ class Explanation {
       d_.remarks.push_back("The arm with what was found could not be identified: " + d_.extended.reason);
       d_.extended = x_.start;
     }
-    for (auto f = gone.rbegin(); f != gone.rend(); ++f) drop_finding(*f);
+    for (auto f = gone.rbegin(); f != gone.rend(); ++f) drop_finding(*f, "with it a physically possible arm is predicted no better");
     size_t last = 0;
     bool any = false;
     for (size_t f = 0; f < of_finding_.size(); ++f) {
@@ -218,8 +240,8 @@ class Explanation {
     for (Finding& f : d_.findings) f.explains = explained_share(f.test_before, f.test_after, d_.baseline.test_error.relative, floor);
   }
 
-  void drop_finding(size_t f) {
-    d_.not_supported.push_back({d_.findings[f].cause, d_.findings[f].p_value, "with it a physically possible arm is predicted no better"});
+  void drop_finding(size_t f, const char* reason) {
+    d_.not_supported.push_back({d_.findings[f].cause, d_.findings[f].p_value, reason});
     d_.findings.erase(d_.findings.begin() + static_cast<long>(f));
     of_finding_.erase(of_finding_.begin() + static_cast<long>(f));
     count_.erase(count_.begin() + static_cast<long>(f));

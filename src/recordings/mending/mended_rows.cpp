@@ -34,7 +34,8 @@ constexpr double kBeyond = 0.05;
 /// step > the largest of kSmallestJump, kNoise * usual second difference and kOfRange * range, plus kAround *
 /// the neighbouring steps: a jump. The check of jumps has the same numbers (QualityNumbers).
 constexpr double kSmallestJump = 2e-3, kNoise = 5.0, kOfRange = 0.02, kAround = 4.0;
-/// torque outside of its usual range by > kSpike of that range, in a single row: a spike.
+/// torque outside of its usual range by > kSpike of that range, or farther than the whole range from the rows beside: a spike;
+/// several rows: each differs from the one before by > kSpike of that range.
 constexpr double kSpike = 0.5;
 /// |position| > kFar [rad, m]: not close to zero.
 constexpr double kFar = 0.05;
@@ -117,7 +118,7 @@ class MendedRows : public RowSource {
     add(dropouts_, text("positions leave the motion and come back ", count_text(dropouts_, "time", "times"), ": ", count_text(dropped_, "row is", "rows are"),
                         held_.dq.cols() > 0 ? " filled in by the velocities before and behind" : " left out", " (--as-recorded keeps them)."));
     for (std::size_t j = 0; j < joints_.size(); ++j)
-      add(joints_[j].spikes, text(named("tau", j), " leaves its range for a single row ", count_text(joints_[j].spikes, "time", "times"),
+      add(joints_[j].spikes, text(named("tau", j), " jumps out of its range in ", count_text(joints_[j].spikes, "row", "rows"),
                                   ": filled in from the rows beside (--as-recorded keeps it)."));
     add(zeros_, text("all torques drop to zero amid the motion in ",
                      count_text(zeros_, "row, which is a gap", "rows, which are gaps"), " (--as-recorded keeps them)."));
@@ -456,10 +457,14 @@ class MendedRows : public RowSource {
       Joint& joint = joints_[j];
       auto tau = held_.tau.col(static_cast<Eigen::Index>(j));
       const auto usual = [&](int k) { return tau[k] >= joint.lowest && tau[k] <= joint.highest; };
+      const double range = (joint.highest - joint.lowest) / (1.0 + 2.0 * kSpike);
+      const auto is_off = [&](int k, int beside) { return !usual(k) || std::abs(tau[k] - tau[beside]) > range; };
       for (int k = std::max(sound_, 1); k + 1 < held_.rows() && k < until; ++k) {
-        if (!std::isfinite(tau[k]) || usual(k) || !usual(k - 1) || !usual(k + 1)) continue;
-        tau[k] = 0.5 * (tau[k - 1] + tau[k + 1]);
-        ++joint.spikes;
+        if (!std::isfinite(tau[k]) || !usual(k - 1) || !is_off(k, k - 1)) continue;
+        int end = k + 1;
+        while (end < held_.rows() && is_off(end, k - 1) && std::abs(tau[end] - tau[end - 1]) > kSpike * range) ++end;
+        if (end == held_.rows() || is_off(end, k - 1) || !is_off(end - 1, end)) continue;
+        for (int i = k; i < end; ++i, ++joint.spikes) tau[i] = tau[i - 1] + (tau[end] - tau[i - 1]) / (end - i + 1);
       }
     }
   }
