@@ -90,13 +90,8 @@ Model with_open_friction(const Model& arm) {
   return Model(std::move(d));
 }
 
-<<<<<<< HEAD
-// Friction effects that stand for themselves: neither parts of others nor tables.
-std::vector<std::string> friction_effect_names() {
-=======
 // Kinds of friction, and the errors of a joint's channels, which imitate them: a late torque looks like a backlash.
-std::vector<std::string> kinds_of_friction() {
->>>>>>> h2
+std::vector<std::string> friction_effect_names() {
   std::vector<std::string> out;
   for (const ChannelEffect* effect : channel_effects()) {
     if (dynamic_cast<const SensorError*>(effect) != nullptr) out.push_back(effect->name());
