@@ -100,6 +100,43 @@ TEST_F(WholeDiagnosis, AMomentThatComesBackWithTheMotionIsNoPush) {
   EXPECT_EQ(pushes(true), 0);
 }
 
+// Where a joint turns back slowly its friction may have any size up to its level, and the model has all of it. More is a push.
+TEST_F(WholeDiagnosis, DryFrictionAtASlowReversalIsNoPush) {
+  constexpr double level = 4.0;
+  ModelDescription strong = truth_.description();
+  for (EffectTerm& term : strong.effects)
+    if (term.effect == "coulomb_friction" && term.axis.coefficients[0] == 1.0) term.values["level"] = level;
+  truth_ = Model(strong);
+  const auto pushes = [&](double size) {
+    std::vector<Recording> all;
+    for (unsigned k = 1; k <= 3; ++k) {
+      MotionSamples m = motion(k);
+      // The speed cos(x) + cos(3 x) / 3 is flat at its zeros.
+      const double w = 0.4 + 0.02 * k;
+      const Eigen::ArrayXd x = w * m.time.array();
+      m.q.col(0) = x.sin() + (3.0 * x).sin() / 9.0;
+      m.dq.col(0) = w * (x.cos() + (3.0 * x).cos() / 3.0);
+      m.ddq.col(0) = -w * w * (x.sin() + (3.0 * x).sin());
+      SimulationOptions options;
+      options.noise = sensor_noise("low");
+      options.seed = k;
+      all.push_back(recording_of(simulate_recording(truth_, m, options)));
+      Recording& r = all.back();
+      r.source = "recording " + std::to_string(k);
+      const double reversal = 0.5 * M_PI / w;
+      for (int row = 0; k == 2 && row < r.rows(); ++row)
+        if (r.time[row] > reversal && r.time[row] < reversal + 0.65) r.tau(row, 0) += size * level;
+    }
+    DiagnosisOptions options;
+    options.identification.threads = 1;
+    options.effects = {"joint_spring", "external_contact"};
+    const Diagnosis d = diagnose(truth_, {all[0], all[1]}, all[2], options);
+    return std::count_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return std::holds_alternative<ExternalContact>(f.cause); });
+  };
+  EXPECT_EQ(pushes(0.8), 0);
+  EXPECT_EQ(pushes(3.0), 1);
+}
+
 // The shoulder has a force of position that no tested cause describes, in the held-out recording with either sign.
 TEST_F(WholeDiagnosis, AJointWithACauseThatWasNotTestedIsNotAtItsFloor) {
   for (const double sign : {1.0, -1.0}) {

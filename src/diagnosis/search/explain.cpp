@@ -44,6 +44,18 @@ std::set<int> joints_without_friction(const Model& arm) {
   return out;
 }
 
+// Dry friction of a joint [N m] or [N] at a speed.
+double friction_at(const Model& arm, int joint, double speed) {
+  const VectorXd still = VectorXd::Zero(arm.joints()), dq = speed * VectorXd::Unit(arm.joints(), joint);
+  double out = 0.0;
+  for (const EffectTerm& term : arm.effects()) {
+    if (!is_friction(term.effect) || std::abs(term.axis.coefficients[joint]) < kAlongJoint * term.axis.coefficients.norm()) continue;
+    const EffectFacts effect(arm, term);
+    out += std::abs(effect.force_at(effect.sample(0.0, still.data(), dq.data(), still.data(), 1)));
+  }
+  return out;
+}
+
 class Explanation {
  public:
   explicit Explanation(DiagnosisState& x) : x_(x), d_(x.d), n_(x.arm.joints()) {}
@@ -253,6 +265,25 @@ class Explanation {
     });
   }
 
+  // True if the joint rests or turns back meanwhile, and its dry friction, of whatever sign, has this size.
+  bool is_dry_friction(const Contact& c) const {
+    const auto at = std::find(x_.train.begin(), x_.train.end(), c.source);
+    const Rows& rows = at != x_.train.end() ? *found_.rows : *found_.test;
+    const auto recording = static_cast<size_t>(at != x_.train.end() ? at - x_.train.begin() : std::find(x_.test.begin(), x_.test.end(), c.source) - x_.test.begin());
+    double sum = 0.0, count = 0.0, fastest = 0.0;
+    for (const Stretch& s : rows.stretches()) {
+      for (size_t k = 0; s.recording == recording && k < s.kept.size(); ++k) {
+        const double speed = std::abs(s.segment.dq(s.kept[k], c.last_joint)), time = rows.time()[s.first + static_cast<Eigen::Index>(k)];
+        fastest = std::max(fastest, speed);
+        if (time < c.from || time > c.to) continue;
+        sum += speed;
+        count += 1.0;
+      }
+    }
+    const double rest = kRestShare * fastest;
+    return count > 0.0 && sum / count <= rest && d_.extended.model && std::abs(c.effort[c.last_joint]) <= friction_at(*d_.extended.model, c.last_joint, rest);
+  }
+
   // [s] of the motion of every recording; 0: it does not repeat.
   static std::vector<double> periods(const std::vector<RecordingError>& recordings) {
     std::vector<double> out;
@@ -271,7 +302,7 @@ class Explanation {
                      const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {
                        return t.term.kind == TermKind::kCurve && t.term.joint->value == c.last_joint;
                      });
-                     return has_curve || is_at_limit(c) || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
+                     return has_curve || is_at_limit(c) || is_dry_friction(c) || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
                    }), contacts.end());
     if (contacts.empty()) return;
     leave_out(excluded_intervals(contacts), x_);
