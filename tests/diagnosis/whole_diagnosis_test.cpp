@@ -137,6 +137,46 @@ TEST_F(WholeDiagnosis, DryFrictionAtASlowReversalIsNoPush) {
   EXPECT_EQ(pushes(3.0), 1);
 }
 
+// A chirp in two of three recordings, each of which repeats its motion: it does not come back with the motion.
+TEST_F(WholeDiagnosis, WhatIsInOneRecordingDoesNotComeBackWithTheMotion) {
+  constexpr double kTurn = 2.5;
+  const auto why = [&](bool in_all) {
+    std::vector<Recording> all;
+    for (unsigned k = 1; k <= 4; ++k) {
+      MotionSamples m = motion(k);
+      m.q.setZero();
+      m.dq.setZero();
+      m.ddq.setZero();
+      for (int wave = 1; wave <= 4; ++wave) {
+        const double w = 2.0 * M_PI * wave / kTurn;
+        for (int i = 0; i < 2; ++i) {
+          const Eigen::ArrayXd angle = w * m.time.array() + 1.7 * (i + 1) * wave + k;
+          m.q.col(i).array() += 0.5 / wave * angle.sin();
+          m.dq.col(i).array() += 0.5 / wave * w * angle.cos();
+          m.ddq.col(i).array() -= 0.5 / wave * w * w * angle.sin();
+        }
+      }
+      SimulationOptions options;
+      options.noise = sensor_noise("low");
+      options.seed = k;
+      all.push_back(recording_of(simulate_recording(truth_, m, options)));
+      all.back().source = "recording " + std::to_string(k);
+      Recording& r = all.back();
+      for (int row = 0; (in_all || k == 2 || k == 4) && row < r.rows(); ++row) {
+        const double phase = std::fmod(r.time[row], kTurn);
+        r.tau(row, 1) += std::sin((8.0 + 3.0 * k) * phase + 4.0 * phase * phase);
+      }
+    }
+    DiagnosisOptions options;
+    options.identification.threads = 1;
+    const Diagnosis d = diagnose(truth_, {all[0], all[1], all[2]}, all[3], options);
+    return d.joints[1].why;
+  };
+  EXPECT_EQ(why(true).find("left over in recording"), std::string::npos) << why(true);
+  EXPECT_EQ(why(false).find("comes back"), std::string::npos) << why(false);
+  EXPECT_NE(why(false).find("left over in recording"), std::string::npos) << why(false);
+}
+
 // The shoulder has a force of position that no tested cause describes, in the held-out recording with either sign.
 TEST_F(WholeDiagnosis, AJointWithACauseThatWasNotTestedIsNotAtItsFloor) {
   for (const double sign : {1.0, -1.0}) {

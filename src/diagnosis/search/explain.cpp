@@ -17,6 +17,7 @@
 #include "diagnosis/search/numbers.hpp"
 #include "diagnosis/search/tables.hpp"
 #include "diagnosis/search/vibration.hpp"
+#include "identification/differing_recordings.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
@@ -432,7 +433,7 @@ class Explanation {
       else if (differs || is_unlike)
         v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
                             numerics::kPercent * trained[j], numerics::kPercent * v.extended);
-      else v.why = words_of_steps(j) + why_not(untested_share, repeats);
+      else v.why = words_of_steps(j) + why_not(j, untested_share, repeats);
     }
     return v;
   }
@@ -452,11 +453,28 @@ class Explanation {
     return "";
   }
 
-  static std::string why_not(double untested_share, bool repeats) {
+  std::string why_not(int j, double untested_share, bool repeats) const {
     if (untested_share >= 0.0)
       return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over", numerics::kPercent * untested_share);
-    return repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"
-                   : "what the findings leave over is no function of one or two signals of the recordings";
+    double low = numerics::kHuge, high = -numerics::kHuge;
+    for (const Stretch& stretch : found_.rows->stretches()) {
+      low = std::min(low, stretch.segment.q.col(j).minCoeff());
+      high = std::max(high, stretch.segment.q.col(j).maxCoeff());
+    }
+    if (high - low <= (x_.arm.coordinates()[j].prismatic ? kStillLength : kStill)) return "it stands still in the training recordings, which say nothing about its friction";
+    if (!repeats) return "what the findings leave over is no function of one or two signals of the recordings";
+    std::vector<std::pair<double, std::string>> left;
+    for (const auto* list : {&d_.extended.train, &d_.extended.test}) {
+      for (const RecordingError& r : *list) {
+        if (r.error.relative.size() > j) left.emplace_back(r.error.relative[j], r.source);
+      }
+    }
+    const auto [least, most] = std::minmax_element(left.begin(), left.end());
+    if (!left.empty() && least->first <= kAtFloor * d_.baseline.noise_floor[j] && most->first > kDiffers * least->first)
+      return fmt::format("{:.2g} % of its torque are left over in {}, {:.2g} % in {}: something is different in that recording, or at one time of it",
+                         numerics::kPercent * most->first, most->second, numerics::kPercent * least->first, least->second);
+    if (!differing_recordings(*d_.baseline.model, d_.baseline).empty()) return "the training recordings differ from each other, and no one arm fits all of them";
+    return "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out";
   }
 
   DiagnosisState& x_;
