@@ -128,15 +128,16 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
   if (odd.empty()) return "";
   std::sort(odd.begin(), odd.end());
   const bool pair = all.size() == 2;
-  comparison.differ(all, pair ? all : odd);
+  const bool fits_alone = comparison.differ(all, pair ? all : odd) && !(comparison.worst.own > identifying::numbers.below_any_sensor);
   std::string names;
   for (const size_t r : pair ? all : odd) names += (names.empty() ? "" : pair ? " and " : ", ") + id.factors[r].source;
   const auto& worst = comparison.worst;
   const std::string& source = id.factors[worst.recording].source;
-  return fmt::format("{} differ{}: one fit to all leaves {:.2g} % of the torque of {} in {}, a fit to this one alone {:.2g} %. Another load, friction or time? Identify without it "
+  return fmt::format("{} differ{}: one fit to all leaves {:.2g} % of the torque of {} in {}, a fit to this one alone {:.2g} %. {} Identify without it "
                      "(--model-out M.yaml): `veridyn diagnose M.yaml --train {} --test REC` says what changed",
                      names, pair ? "" : odd.size() == 1 ? "s from the other training recordings" : " from the other training recordings", 100.0 * worst.common,
-                     arm.coordinates()[worst.joint].name, source, 100.0 * worst.own, source);
+                     arm.coordinates()[worst.joint].name, source, 100.0 * worst.own,
+                     fits_alone ? "Another load, friction or time?" : fmt::format("No arm of this file fits {} alone: a wrong file or column, or something that the model lacks?", names), source);
 }
 
 std::string recordings_apart(const Identification& evaluated) {

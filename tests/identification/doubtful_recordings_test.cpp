@@ -97,8 +97,14 @@ TEST(TrainingRecordings, WithADifferentLoadOrFrictionAreReported) {
     ASSERT_EQ(id.warnings.size(), 1U);
     EXPECT_EQ(id.warnings[0].find("other differs from the other training recordings: "), 0U) << id.warnings[0];
     EXPECT_TRUE(load || has(id.warnings[0], "of the torque of shoulder in other")) << id.warnings[0];
+    EXPECT_TRUE(has(id.warnings[0], "Another load, friction or time?")) << id.warnings[0];
     EXPECT_TRUE(has(id.report(), id.warnings[0]));
   }
+  Recording spoiled = recorded("other", 3);
+  spoiled.tau.col(2) = spoiled.tau.col(1);
+  const Identification wrong = identify(elbow(), {recorded("one", 1), spoiled, recorded("two", 2)});
+  ASSERT_FALSE(wrong.warnings.empty());
+  EXPECT_TRUE(has(wrong.warnings.back(), "No arm of this file fits other alone: a wrong file or column, or something that the model lacks?")) << wrong.report();
   const Identification two = identify(elbow(), {recorded("one", 1), recorded("loaded", 2, changed(0.5, 0.0))});
   ASSERT_EQ(two.warnings.size(), 1U);
   EXPECT_EQ(two.warnings[0].find("one and loaded differ: "), 0U) << two.warnings[0];

@@ -17,6 +17,7 @@
 #include "diagnosis/search/numbers.hpp"
 #include "diagnosis/search/tables.hpp"
 #include "diagnosis/search/vibration.hpp"
+#include "identification/differing_recordings.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect_facts.hpp"
@@ -40,6 +41,18 @@ std::set<int> joints_without_friction(const Model& arm) {
       return is_friction(term.effect) && std::abs(term.axis.coefficients[i]) > kAlongJoint * term.axis.coefficients.norm();
     });
     if (!has) out.insert(i);
+  }
+  return out;
+}
+
+// Dry friction of a joint [N m] or [N] at a speed.
+double friction_at(const Model& arm, int joint, double speed) {
+  const VectorXd still = VectorXd::Zero(arm.joints()), dq = speed * VectorXd::Unit(arm.joints(), joint);
+  double out = 0.0;
+  for (const EffectTerm& term : arm.effects()) {
+    if (!is_friction(term.effect) || std::abs(term.axis.coefficients[joint]) < kAlongJoint * term.axis.coefficients.norm()) continue;
+    const EffectFacts effect(arm, term);
+    out += std::abs(effect.force_at(effect.sample(0.0, still.data(), dq.data(), still.data(), 1)));
   }
   return out;
 }
@@ -256,6 +269,25 @@ class Explanation {
     });
   }
 
+  // True if the joint rests or turns back meanwhile, and its dry friction, of whatever sign, has this size.
+  bool is_dry_friction(const Contact& c) const {
+    const auto at = std::find(x_.train.begin(), x_.train.end(), c.source);
+    const Rows& rows = at != x_.train.end() ? *found_.rows : *found_.test;
+    const auto recording = static_cast<size_t>(at != x_.train.end() ? at - x_.train.begin() : std::find(x_.test.begin(), x_.test.end(), c.source) - x_.test.begin());
+    double sum = 0.0, count = 0.0, fastest = 0.0;
+    for (const Stretch& s : rows.stretches()) {
+      for (size_t k = 0; s.recording == recording && k < s.kept.size(); ++k) {
+        const double speed = std::abs(s.segment.dq(s.kept[k], c.last_joint)), time = rows.time()[s.first + static_cast<Eigen::Index>(k)];
+        fastest = std::max(fastest, speed);
+        if (time < c.from || time > c.to) continue;
+        sum += speed;
+        count += 1.0;
+      }
+    }
+    const double rest = kRestShare * fastest;
+    return count > 0.0 && sum / count <= rest && d_.extended.model && std::abs(c.effort[c.last_joint]) <= friction_at(*d_.extended.model, c.last_joint, rest);
+  }
+
   // [s] of the motion of every recording; 0: it does not repeat.
   static std::vector<double> periods(const std::vector<RecordingError>& recordings) {
     std::vector<double> out;
@@ -274,7 +306,7 @@ class Explanation {
                      const bool has_curve = std::any_of(found_.chosen.begin(), found_.chosen.end(), [&c](const Chosen& t) {
                        return t.term.kind == TermKind::kCurve && t.term.joint->value == c.last_joint;
                      });
-                     return has_curve || is_at_limit(c) || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
+                     return has_curve || is_at_limit(c) || is_dry_friction(c) || !x_.tests_cause(ExternalContact{JointIndex{c.last_joint}});
                    }), contacts.end());
     if (contacts.empty()) return;
     leave_out(excluded_intervals(contacts), x_);
@@ -405,7 +437,7 @@ class Explanation {
       else if (differs || is_unlike)
         v.why = fmt::format("the training recordings leave {:.3g} % of its torque, the held-out ones {:.3g} %: something is different in them",
                             numerics::kPercent * trained[j], numerics::kPercent * v.extended);
-      else v.why = torque_step_words(j) + reason_without_name(untested_share, repeats);
+      else v.why = torque_step_words(j) + reason_without_name(j, untested_share, repeats);
     }
     return v;
   }
@@ -425,11 +457,28 @@ class Explanation {
     return "";
   }
 
-  static std::string reason_without_name(double untested_share, bool repeats) {
+  std::string reason_without_name(int j, double untested_share, bool repeats) const {
     if (untested_share >= 0.0)
       return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over", numerics::kPercent * untested_share);
-    return repeats ? "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out"
-                   : "what the findings leave over is no function of one or two signals of the recordings";
+    double low = numerics::kHuge, high = -numerics::kHuge;
+    for (const Stretch& stretch : found_.rows->stretches()) {
+      low = std::min(low, stretch.segment.q.col(j).minCoeff());
+      high = std::max(high, stretch.segment.q.col(j).maxCoeff());
+    }
+    if (high - low <= (x_.arm.coordinates()[j].prismatic ? kStillLength : kStill)) return "it stands still in the training recordings, which say nothing about its friction";
+    if (!repeats) return "what the findings leave over is no function of one or two signals of the recordings";
+    std::vector<std::pair<double, std::string>> left;
+    for (const auto* list : {&d_.extended.train, &d_.extended.test}) {
+      for (const RecordingError& r : *list) {
+        if (r.error.relative.size() > j) left.emplace_back(r.error.relative[j], r.source);
+      }
+    }
+    const auto [least, most] = std::minmax_element(left.begin(), left.end());
+    if (!left.empty() && least->first <= kAtFloor * d_.baseline.noise_floor[j] && most->first > kDiffers * least->first)
+      return fmt::format("{:.2g} % of its torque are left over in {}, {:.2g} % in {}: something is different in that recording, or at one time of it",
+                         numerics::kPercent * most->first, most->second, numerics::kPercent * least->first, least->second);
+    if (!differing_recordings(*d_.baseline.model, d_.baseline).empty()) return "the training recordings differ from each other, and no one arm fits all of them";
+    return "it comes back with the motion, yet no signal of the recordings predicts it on rows that were held out";
   }
 
   DiagnosisState& x_;

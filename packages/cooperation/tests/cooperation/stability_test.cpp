@@ -87,8 +87,8 @@ TEST_F(WithoutFriction, TheLinearCycleMatchesTheSimulatedOne) {
     s.control.torque_delay = c.torque_delay;
     s.control.largest_age = std::max(s.control.largest_age, 4.0 / c.sensor_rate);
     Experiment still(s, "veridyn"), stepped(s, "veridyn");
-    still.begin(s.phases[0]);
-    stepped.begin(s.phases[0]);
+    still.begin_phase(s.phases[0]);
+    stepped.begin_phase(s.phases[0]);
     for (int k = 0; k < kSettled; ++k) {
       ASSERT_TRUE(still.step());
       ASSERT_TRUE(stepped.step());

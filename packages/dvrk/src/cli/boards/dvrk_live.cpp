@@ -39,7 +39,7 @@ std::string joint_table(ArmSession& arm) {
   const dvrk::BoardArmState& state = arm.state();
   std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
                                 "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
-  for (int j = 0; j < arm.size(); ++j) {
+  for (int j = 0; j < arm.joints(); ++j) {
     const dvrk::BoardFeedback& board = arm.board_of(j);
     const int axis = arm.robot().actuators[j].axis;
     out += fmt::format("{:>5} {:>12.5f} {:>12.5f} {:>12.4f} {:>10.4f} {:>12.5f} {:>4}\n", j + 1,
