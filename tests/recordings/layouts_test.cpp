@@ -153,7 +153,7 @@ std::vector<Layout> layouts() {
        "", "", kNumbers},
       {"decimal commas", with_commas(table("t;q1;q2;tau1;tau2", ";")), "", {}, "", "", kNumbers},
       {"joints' names and decimal commas",
-       with_commas(table("Zeit [s];shoulder_pos;elbow_pos;shoulder_tau;elbow_tau", ";")), ""},
+       with_commas(table("Zeitstempel [s];shoulder_pos;elbow_pos;shoulder_tau;elbow_tau", ";")), ""},
       {"a column time", table("time,q1,q2,tau1,tau2"), "", {}, "", "", kNumbers},
       {"quotes, byte-order mark, CRLF",
        "\xEF\xBB\xBF\"time\",\"shoulder/position\",\"elbow/position\",\"shoulder/effort\",\"elbow/"

@@ -31,7 +31,7 @@ std::int64_t unit_in_nanoseconds(const std::string& word) {
 }
 
 bool is_time_word(const std::string& word) {
-  static const std::set<std::string> kWords = {"time", "t", "timestamp", "stamp", "times", "clock", "timestamps", "zeit"};
+  static const std::set<std::string> kWords = {"time", "t", "timestamp", "stamp", "times", "clock", "timestamps", "zeit", "zeitstempel"};
   return kWords.count(word) > 0;
 }
 
