@@ -47,35 +47,35 @@ ArmTopics::ArmTopics(ros::NodeHandle space, const veridyn::Model& arm, Commands&
     : space_(std::move(space)), to_loop_(to_loop), from_loop_(from_loop) {
   for (const veridyn::Coordinate& c : arm.coordinates()) names_.push_back(c.name);
   base_ = space_.getNamespace().substr(space_.getNamespace().find_last_of('/') + 1) + "_base";
-  measured_js_ = tells<sensor_msgs::JointState>("measured_js");
-  setpoint_js_ = tells<sensor_msgs::JointState>("setpoint_js");
-  measured_cp_ = tells<geometry_msgs::PoseStamped>("measured_cp");
-  setpoint_cp_ = tells<geometry_msgs::PoseStamped>("setpoint_cp");
-  measured_cv_ = tells<geometry_msgs::TwistStamped>("measured_cv");
-  measured_cf_ = tells<geometry_msgs::WrenchStamped>("measured_cf");
-  operating_state_ = tells<crtk_msgs::OperatingState>("operating_state", true);
-  error_ = tells<std_msgs::String>("error");
-  warning_ = tells<std_msgs::String>("warning");
+  measured_js_ = advertise<sensor_msgs::JointState>("measured_js");
+  setpoint_js_ = advertise<sensor_msgs::JointState>("setpoint_js");
+  measured_cp_ = advertise<geometry_msgs::PoseStamped>("measured_cp");
+  setpoint_cp_ = advertise<geometry_msgs::PoseStamped>("setpoint_cp");
+  measured_cv_ = advertise<geometry_msgs::TwistStamped>("measured_cv");
+  measured_cf_ = advertise<geometry_msgs::WrenchStamped>("measured_cf");
+  operating_state_ = advertise<crtk_msgs::OperatingState>("operating_state", true);
+  error_ = advertise<std_msgs::String>("error");
+  warning_ = advertise<std_msgs::String>("warning");
   for (const auto& [name, kind] : std::map<std::string, Kind>{
            {"servo_jp", Kind::kServoJp}, {"servo_jf", Kind::kServoJf}, {"move_jp", Kind::kMoveJp}})
-    hears<sensor_msgs::JointState>(name, [this, k = kind](const auto& e) { joints(e, k); });
+    subscribe<sensor_msgs::JointState>(name, [this, k = kind](const auto& e) { joints(e, k); });
   for (const auto& [name, kind] :
        std::map<std::string, Kind>{{"servo_cp", Kind::kServoCp}, {"move_cp", Kind::kMoveCp}})
-    hears<geometry_msgs::PoseStamped>(name, [this, k = kind](const auto& e) { pose(e, k); });
-  hears<geometry_msgs::WrenchStamped>("servo_cf", [this](const auto& e) {
+    subscribe<geometry_msgs::PoseStamped>(name, [this, k = kind](const auto& e) { pose(e, k); });
+  subscribe<geometry_msgs::WrenchStamped>("servo_cf", [this](const auto& e) {
     wrench(e.getMessage()->wrench, command(e, Kind::kServoCf, age_of(e.getMessage()->header)));
   });
-  hears<geometry_msgs::TwistStamped>("servo_cv", [this](const auto& e) {
+  subscribe<geometry_msgs::TwistStamped>("servo_cv", [this](const auto& e) {
     twist(e.getMessage()->twist, command(e, Kind::kServoCv, age_of(e.getMessage()->header)));
   });
-  hears<geometry_msgs::Wrench>("cmd_force", [this](const auto& e) {  // as in the thesis
+  subscribe<geometry_msgs::Wrench>("cmd_force", [this](const auto& e) {  // as in the thesis
     wrench(*e.getMessage(), command(e, Kind::kServoCf, 0.0));
   });
-  hears<geometry_msgs::Twist>("cmd_vel", [this](const auto& e) {
+  subscribe<geometry_msgs::Twist>("cmd_vel", [this](const auto& e) {
     twist(*e.getMessage(), command(e, Kind::kServoCv, 0.0));
   });
-  hears<std_msgs::Empty>("hold", [this](const auto& e) { push(command(e, Kind::kHold, 0.0)); });
-  hears<crtk_msgs::StringStamped>("state_command", [this](const auto& e) { state_command(e); });
+  subscribe<std_msgs::Empty>("hold", [this](const auto& e) { push(command(e, Kind::kHold, 0.0)); });
+  subscribe<crtk_msgs::StringStamped>("state_command", [this](const auto& e) { state_command(e); });
 }
 
 void ArmTopics::push(const Command& c) {

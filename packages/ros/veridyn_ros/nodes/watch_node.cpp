@@ -52,7 +52,7 @@ struct Arm {
       std_msgs::String line;
       line.data = json_line(e, row.source);
       event.publish(line);
-      ROS_WARN("%s: %s", name.c_str(), e.timing_text.c_str());
+      ROS_WARN("%s: %s", name.c_str(), e.sentence.c_str());
     }
   }
 
