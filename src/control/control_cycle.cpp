@@ -20,6 +20,7 @@ constexpr int kLimitEvery = 16;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+// The limits of the options or of the robot file; throws InvalidInput if a supervisor lacks a torque limit.
 SafetyLimits limits_of(const Model& arm, const CycleOptions& options) {
   if (options.limits) return *options.limits;
   if (options.supervision == Supervision::kSupervisor && !(options.torque > 0.0)) {

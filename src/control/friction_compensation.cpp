@@ -23,6 +23,7 @@ double dot_product(const std::vector<JointCoefficient>& axis, const VectorXd& x)
   return sum;
 }
 
+// Columns times the model's values.
 double force_of_term(const BoundEffect& term, const EffectColumns& row) {
   double sum = 0.0;
   for (int p = 0; p < term.parameter_count(); ++p)

@@ -65,11 +65,11 @@ struct InverseTask {
 KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
                                   const InverseTask& task, const InverseSolver& solver = {});
 
-/// `count` postures spread evenly over the joints' ranges (Halton's sequence).
+/// `count` postures spread evenly over the joints' ranges (Halton's sequence). @throws InvalidInput  more than 12 joints.
 KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count);
 
-/// Columns of the CSV: t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, optionally the
-/// Jacobian's 6 n entries J11.. row by row; after inverse kinematics also status and errors.
+/// Columns of the CSV: t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, pose_condition; after inverse
+/// kinematics status and errors; optionally the Jacobian's 6 n entries J1_1.. row by row.
 enum class JacobianColumns { kWithout, kWith };
 void write_kinematic_rows(const KinematicTable& table, const std::string& path,
                           JacobianColumns jacobian);

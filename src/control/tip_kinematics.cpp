@@ -10,6 +10,7 @@
 namespace veridyn {
 namespace {
 
+// Index of the tip's frame; throws InvalidInput without such a frame or with an offset that is not finite.
 int tip_frame(const Model& arm, const Tip& tip) {
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);

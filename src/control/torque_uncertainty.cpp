@@ -17,6 +17,7 @@ namespace {
 constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "Lxx",
                                                   "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
+// Index of a parameter among 10 of every body, from its name; -1: none.
 int inertial_parameter_index(const Model& arm, const std::string& name) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
     const std::string& frame = arm.frames()[arm.bodies()[b]].name;

@@ -52,6 +52,7 @@ struct ArmKernelLoops {
     Column<P>* jacobian;
   };
 
+  // Size [bytes] of the workspace of for_entries() with dual numbers.
   static std::size_t dual_bytes(const Links& tree) {
     return sizeof(LinkState<D>) * static_cast<std::size_t>(tree.count) +
            sizeof(Column<D>) * static_cast<std::size_t>(tree.supports);
@@ -64,6 +65,7 @@ struct ArmKernelLoops {
            sizeof(D) * 4 * static_cast<std::size_t>(tree.joints) +
            sizeof(Column<P>) * static_cast<std::size_t>(tree.supports);
   }
+  // The parts of a block of batch_workspace(tree) bytes.
   static BatchMemory divide(const Links& tree, void* memory) {
     const std::size_t plain = Batch::workspace(tree);
     const std::size_t dual = dual_bytes(tree);
@@ -76,6 +78,7 @@ struct ArmKernelLoops {
             jacobian};
   }
 
+  // Packs `count` samples from `row` on, one pack for each joint; further lanes repeat the last sample.
   static void load(const Links& tree, const SampleColumns& from, int row, int count, P* to) {
     for (int i = 0; i < tree.joints; ++i)
       to[i] = load_lanes<P>(count, from.data + i * from.stride + row);

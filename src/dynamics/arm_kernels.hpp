@@ -54,13 +54,14 @@ struct ArmKernels {
                     void* workspace) = nullptr;
   // Batches: samples in lanes.
   int lanes = 0;
-  std::size_t (*batch_workspace)(const Links&) = nullptr;
+  std::size_t (*batch_workspace)(const Links&) = nullptr;  ///< [bytes], as those above
+  /// Writes the regressor of the joints whose matrix is not null.
   void (*batch_regressor)(const Links&, const BatchInput&, const ColumnsByJoint<double>&,
                           void* workspace) = nullptr;
   /// Writes tau, (rows x n).
   void (*batch_torques)(const InertialLinks&, const BatchInput&, double* tau,
                         void* workspace) = nullptr;
-  /// Writes 3 n matrices (rows x n), one after the other.
+  /// Writes 3 n matrices (rows x n), one after the other: dtau / dx_d, x = (q, dq, ddq).
   void (*batch_derivatives)(const InertialLinks&, const BatchInput&, double* out,
                             void* workspace) = nullptr;
   /// Derivatives of the sum of weights times regressor along q, dq and ddq: (rows x 3 n).

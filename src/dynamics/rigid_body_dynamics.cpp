@@ -16,6 +16,7 @@ void require_state(const char* where, const Model& arm, const VectorRef& v, cons
           arm.name(), "' has ", arm.joints(), " joints.");
 }
 
+// The inertial parameters of all bodies; throws InvalidInput if a body has none.
 VectorXd own_values(const char* where, const Model& arm) {
   const auto phi = arm.inertial_values();
   require(phi.has_value(), where, ": arm '", arm.name(),

@@ -16,6 +16,7 @@ namespace {
 // from the cache.
 constexpr int kBlockRows = 72;
 
+// Pointers to the samples; throws InvalidInput if the sizes differ.
 BatchInput input(const char* where, int joints, const MatrixRef& q, const MatrixRef& dq,
                  const MatrixRef& ddq) {
   require(q.cols() == joints && dq.cols() == joints && ddq.cols() == joints, where,
@@ -29,7 +30,7 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
           {ddq.data(), ddq.outerStride()}};
 }
 
-// The links with only those supporting coordinates whose index is from `first` to `end`.
+// The links with only those supporting coordinates whose index is from `first` to `end` - 1.
 std::vector<Link> moved_by(const Links& tree, int first, int end) {
   std::vector<Link> links(tree.link, tree.link + tree.count);
   for (Link& link : links) {

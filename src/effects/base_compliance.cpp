@@ -53,6 +53,7 @@ ModelDescription on_free_base(ModelDescription arm) {
   return arm;
 }
 
+// The arm's n columns, followed by the two of the base.
 MatrixXd stacked_turns(const MatrixXd& of_joints, const MatrixXd& of_base) {
   MatrixXd out(of_joints.rows(), of_joints.cols() + 2);
   out << of_joints, of_base;

@@ -13,6 +13,7 @@ bool are_equal_axes(const Axis& a, const Axis& b) {
   return a.coefficients == b.coefficients && a.offset == b.offset;
 }
 
+// True for one effect along the same axis and from the same source, with any constants.
 bool same_place(const EffectTerm& a, const EffectTerm& b) {
   if (a.effect != b.effect || !are_equal_axes(a.axis, b.axis) || a.from.has_value() != b.from.has_value())
     return false;
@@ -39,6 +40,7 @@ std::string constants_text(const Model& arm, const EffectTerm& term,
   return out;
 }
 
+// Throws InvalidInput for a key that the effect does not have, or a value that is not finite.
 void require_known_keys(const EffectTerm& term, const std::string& where,
                         const std::vector<EffectShape>& shapes,
                         const std::vector<EffectParameter>& parameters) {

@@ -63,6 +63,7 @@ double offset_of(const Frame& frame, const DhRow& row) {
   return frame.type == JointType::kRevolute ? row.theta : row.d;
 }
 
+// Places the frame anew by these numbers, those of its DH row if it has one, else of its origin.
 void set_frame_numbers(Frame& frame, const FrameNumbers& v) {
   if (frame.dh) {
     DhRow row = *frame.dh;
@@ -76,6 +77,7 @@ void set_frame_numbers(Frame& frame, const FrameNumbers& v) {
   place(frame, placed);
 }
 
+// The constant "FRAME.theta", "JOINT.zero" or one of the file's own; throws InvalidInput if there is none.
 KinematicError find_constant(const Model& arm, const std::string& word, const std::string& where) {
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     const auto name = after(arm.frames()[k].name, word);
@@ -95,6 +97,7 @@ KinematicError find_constant(const Model& arm, const std::string& word, const st
   return {NamedConstant{word}};
 }
 
+// PLACE of the cause's text form, with the joint's name.
 std::string place_of(const Model& arm, const Cause& cause) {
   const auto joint = [&arm](JointIndex i) {
     return arm.coordinates()[i.value].name;

@@ -46,6 +46,7 @@ EffectTerm& ArmEffect::term_of(ModelDescription& arm) const {
 
 namespace {
 
+// The effect of the term; throws InvalidInput if it is none of the whole arm.
 const ArmEffect& arm_effect(const Model& arm, const EffectTerm& term) {
   const auto* effect = dynamic_cast<const ArmEffect*>(channel_effect(term.effect));
   require(effect != nullptr, "arm '", arm.name(), "': '", term.effect,
@@ -53,6 +54,7 @@ const ArmEffect& arm_effect(const Model& arm, const EffectTerm& term) {
   return *effect;
 }
 
+// The term's values in the order of parameters(); throws InvalidInput if one is missing.
 std::vector<double> values_of(const ArmEffect& effect, const EffectTerm& term) {
   std::vector<double> out;
   for (const EffectParameter& p : effect.parameters()) {

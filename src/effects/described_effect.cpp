@@ -3,6 +3,7 @@
 namespace veridyn {
 namespace {
 
+// C code in which each #k is replaced by shape constant k.
 std::string with_constants(const std::string& words, const ShapeValues& shape) {
   std::string out;
   for (std::size_t k = 0; k < words.size(); ++k) out += words[k] == '#' ? c_number(shape[words[++k] - '0']) : std::string(1, words[k]);

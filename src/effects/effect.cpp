@@ -33,6 +33,7 @@ std::vector<double> spread(const EffectShape& shape) {
   return out;
 }
 
+// Initial values of ShapeScale::kByUnit.
 std::vector<double> scaled_choices(const EffectShape& shape, const AxisMotion& motion) {
   if (shape.unit_revolute == "rad") return scaled_by(usual_lengths(), motion.travel);
   if (shape.unit_revolute == "rad/s") return scaled_by(usual_speeds(), motion.speed);

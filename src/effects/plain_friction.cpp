@@ -15,6 +15,7 @@ bool has_no_friction(const Model& arm) {
 
 namespace {
 
+// Adds the effect without values along this coordinate alone (from 0), unless it is there.
 void add_effect_to_joint(ModelDescription& d, const std::string& effect, int joint) {
   const VectorXd axis = VectorXd::Unit(static_cast<Eigen::Index>(d.coordinates.size()), joint);
   const bool known = std::any_of(d.effects.begin(), d.effects.end(), [&](const auto& term) {

@@ -76,6 +76,7 @@ bool is_key_of_terms(const std::string& name) {
   return false;
 }
 
+// Throws InvalidInput if the effect cannot be registered.
 void check(const Effect& effect) {
   const std::string name = effect.name();
   for (const std::string& taken : effect_names())

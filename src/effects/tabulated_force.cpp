@@ -19,6 +19,7 @@ using Signal = TableSignal;
 
 enum Shape { kSignal, kLow, kHigh, kSecond, kAt, kWidth };
 
+// The signal of a number in a robot file, rounded and limited to 0 .. 6.
 Signal signal_of(double code) {
   return static_cast<Signal>(std::clamp(static_cast<int>(std::lround(code)), 0, 6));
 }
@@ -49,6 +50,7 @@ const char* words_of(Signal signal) {
   return "nothing";
 }
 
+// The signal as a C expression, see WrittenInC.
 std::string c_signal(Signal signal) {
   switch (signal) {
     case Signal::kPosition: return "s";

@@ -7,6 +7,7 @@
 namespace veridyn {
 namespace {
 
+// Throws InvalidInput if q has another size or the frame does not exist.
 void check(const char* where, const Model& arm, const VectorRef& q, int frame) {
   require(q.size() == arm.joints(), where, ": q has ", q.size(), " entries, but arm '", arm.name(),
           "' has ", arm.joints(), " joints.");

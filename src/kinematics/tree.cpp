@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// Marks the frames that the dynamics need: those with bodies, and all moving frames above them.
+// Marks the frames that the dynamics need: those with bodies, and all frames above them.
 std::vector<char> needed_frames(const Model& arm) {
   std::vector<char> needed(arm.frames().size(), 0);
   for (int k = static_cast<int>(arm.frames().size()) - 1; k >= 0; --k) {

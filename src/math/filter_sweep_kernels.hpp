@@ -51,6 +51,7 @@ struct FilterLoops {
     }
   }
 
+  // Runs all sections over all samples, as sweep().
   static void all_sections(const FilterSweep& in, double* first, long step, long samples) {
     int n = 0;
     for (; n + kTogether <= in.count; n += kTogether)

@@ -51,6 +51,7 @@ inline void multiply(const PackedBlocks& m, long row, long column) {
   }
 }
 
+// Multiplies all rows by the kColumns columns from `column` on, kJoined panels of four rows at once where possible.
 template <int kJoined, int kColumns>
 inline void all_rows(const PackedBlocks& m, long column) {
   long row = 0;

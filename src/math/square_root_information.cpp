@@ -73,6 +73,7 @@ class SquareRootInformation::Triangle {
     triangle_kernels().update({R_, A_, stride_, columns_, begun.data()});
   }
 
+  // Copies R, z and rho^2 into `to`, which becomes a triangle.
   void move_rows_to(SquareRootInformation& to) const {
     to.resize(k_);
     for (Eigen::Index i = 0; i < k_; ++i) {
@@ -115,6 +116,7 @@ SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, M
   rows_ = rows;
 }
 
+// True if this many more rows may be stored unfactored.
 bool SquareRootInformation::may_defer_factorization(Eigen::Index more) const {
   return !is_triangle() && size() >= kManyColumns && 2 * (stored_rows() + more) <= size();
 }

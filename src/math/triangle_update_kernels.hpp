@@ -118,7 +118,7 @@ struct TriangleLoops {
     }
   }
 
-  // Computes W[j] += sum over the rows of V[j] * columns, kJ reflections from `from` on.
+  // Computes W[j] = sum over the rows of V[j] * columns, kDeep reflections at once.
   template <int kC>
   static void products(const double* V, const double* A, long stride, int rows,
                        P (&W)[kPanel][kC]) {

@@ -11,6 +11,7 @@ struct RowRange {
   Eigen::Index first, count;
 };
 
+// Sets `out` to the samples of the effect's axis in these rows; the load is zero without rows of `load`.
 void fill_samples(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
                   double start, const RowRange& rows, std::vector<AxisSample>& out) {
   const EffectTerm& term = effect.term();

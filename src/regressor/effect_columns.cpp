@@ -34,6 +34,7 @@ EffectColumns central_difference(const Rows& at, int count, double step) {
   return out;
 }
 
+// Sum of the first `count` columns times weights that are `stride` apart.
 double weighted_sum(const EffectColumns& row, const double* weights, Eigen::Index stride, int count) {
   double sum = 0.0;
   for (int p = 0; p < count; ++p) sum += row[p] * weights[p * stride];
@@ -130,6 +131,7 @@ class EffectSource final : public ColumnSource {
     return axis_samples(bound_, m, load, m.rows() > 0 ? m.time[0] : 0.0);
   }
 
+  // Step of the numerical derivative by an input of kInputs, in its unit.
   double step_of(size_t input, const AxisSample& x) const {
     if (kInputs[input] == &AxisSample::load) return 1e-4 * (1e-3 + std::abs(x.load));
     // A small step stays on one side of the smoothed jump.
@@ -137,6 +139,7 @@ class EffectSource final : public ColumnSource {
     return step_;
   }
 
+  // Sets by_input(row, input) to the derivative of the row's columns . w by an input of kInputs.
   void slopes_without_memory(const std::vector<AxisSample>& samples, const MatrixXd& w,
                              MatrixXd& by_input) const {
     for (size_t k = 0; k < samples.size(); ++k) {
@@ -162,7 +165,7 @@ class EffectSource final : public ColumnSource {
     EffectState state{};
   };
 
-  // Adjoint pass through the memory, sample by sample: lambda is the derivative by the next state.
+  // Sets by_input in the same way. Adjoint pass through the memory, sample by sample: lambda is the derivative by the next state.
   void slopes_with_memory(const std::vector<AxisSample>& samples, const MatrixXd& w,
                           MatrixXd& by_input) const {
     std::vector<EffectState> before(samples.size());
@@ -204,7 +207,7 @@ class EffectSource final : public ColumnSource {
     }
   }
 
-  // Applies the chain rule from the axis to the coordinates.
+  // Adds to slopes (rows x 3 n) by the chain rule from the axis to the coordinates.
   void apply_chain_rule(const MotionSamples& m, const MatrixXd& by_input, MatrixXd& slopes) const {
     const Eigen::Index n = m.joints();
     for (Eigen::Index part = 0; part < 3; ++part) {

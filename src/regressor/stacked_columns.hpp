@@ -47,9 +47,9 @@ class StackedColumns {
     int column;  ///< index among the chosen columns
   };
 
-  std::vector<std::vector<MatrixXd>> evaluate(const MotionSamples& motion) const;
+  std::vector<std::vector<MatrixXd>> evaluate(const MotionSamples& motion) const;  ///< by source and joint, see ColumnSource::evaluate()
   MatrixXd rows_of(size_t joint, const std::vector<std::vector<MatrixXd>>& Y,
-                   Eigen::Index rows) const;
+                   Eigen::Index rows) const;  ///< chosen columns in a joint's rows, in the order of its places_
 
   std::vector<std::shared_ptr<const ColumnSource>> sources_;
   std::vector<std::vector<std::vector<int>>> columns_;  // by source and joint; indices among all columns

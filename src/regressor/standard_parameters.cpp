@@ -12,6 +12,7 @@
 namespace veridyn {
 namespace {
 
+// Appends the parameters of effect e of the arm, a channel error, without values or bounds.
 void append_channel_error(const Model& arm, const ChannelEffect& effect, int e,
                           std::vector<StandardParameter>& out) {
   const EffectTerm& term = arm.effects()[e];

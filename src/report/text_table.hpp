@@ -17,7 +17,7 @@ class TextTable {
 
   /// Adds a row with one cell per column.
   void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  std::string text() const;
+  std::string text() const;  ///< all rows, each ended by a line break
 
  private:
   std::vector<Align> columns_;
@@ -27,7 +27,7 @@ class TextTable {
 /// Words in lines of at most `width` letters, broken at spaces only; at least one line.
 std::vector<std::string> wrapped(const std::string& words, std::size_t width);
 
-/// Comma-separated names, wrapped and indented; "none" if there are none.
+/// Names with two blanks between them, wrapped and indented; "none" if there are none.
 std::string paragraph(const std::vector<std::string>& names);
 
 }  // namespace veridyn

@@ -17,6 +17,7 @@ constexpr double kSettle = 3.0;    // [s] longest creep before a ramp
 constexpr double kHeavy = 3.0;     // damping during the creep, relative to that of a held joint
 constexpr double kSettled = 0.02;  // share of the sliding speed below which the joint rests
 
+// Median of the values that are not NaN; NaN if there are none.
 double median_of_known(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
                values.end());

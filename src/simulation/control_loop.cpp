@@ -28,7 +28,7 @@ class Log {
       : run_{{time, MatrixXd(time.size(), n), MatrixXd(time.size(), n), MatrixXd(time.size(), n)},
              MatrixXd(time.size(), n)} {}
 
-  // Adds the row of the engine's present state, with the motors' and the total torques.
+  // Adds row k, the engine's present state with the motors' torques. Ends the record and returns false if it cannot accelerate.
   bool add_row(Eigen::Index k, Engine& engine, const VectorXd& motors, const VectorXd& all) {
     VectorXd ddq(motors.size());
     const StepStatus status = engine.accelerate(all, ddq);
@@ -44,7 +44,7 @@ class Log {
     return stop(rows, status, engine, engine.failed_joint());
   }
 
-  // Ends the record before row `rows`.
+  // Ends the record before row `rows`; returns false.
   bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, std::optional<int> joint) {
     run_.status = status;
     run_.stopped_at = engine.time();
@@ -61,6 +61,7 @@ class Log {
   EngineRun run_;
 };
 
+// Options for true signals, with limited torques and without supervisor and observer of the model error.
 JointControllerOptions controller_options_of(const LoopOptions& options, const VectorXd& limit) {
   JointControllerOptions out{options.gains.p, options.gains.d};
   out.cycle.friction.share = options.friction;
@@ -108,7 +109,7 @@ class Loop {
   }
 
  private:
-  // @param h  [s] since the previous update.
+  // One cycle of the controller: sets motors_. @param h  [s] since the previous update.
   void update(const VectorXd& q, const JointReference& wanted, double h) {
     std::rotate(seen_.begin(), seen_.begin() + 1, seen_.end());
     seen_.back() = encoder_reading(q);
@@ -157,6 +158,7 @@ class Loop {
   double since_ = 0.0;  // [s] time since the previous update
 };
 
+// Throws InvalidInput if sizes differ or an option is out of range.
 void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
   const Eigen::Index n = arm.joints();
   const Eigen::Index rows = m.rows();

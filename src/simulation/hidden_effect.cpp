@@ -19,6 +19,7 @@ const char* const kForm = "NAME:JOINT[:KEY=VALUE,...]";
   throw InvalidInput(text("effect '", asked, "': found ", found, ", expected ", expected, "."));
 }
 
+// Adds KEY=VALUE to `out`; throws InvalidInput for another form, a repeated key or no number.
 void read_value(const std::string& pair, HiddenEffect& out) {
   const auto equals = pair.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == pair.size()) {

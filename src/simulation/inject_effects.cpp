@@ -19,6 +19,7 @@ namespace {
 // All keys of a hidden effect, with their default values.
 using Defaults = std::vector<std::pair<std::string, double>>;
 
+// The defaults with the values of the request in their place; throws InvalidInput for any other key.
 std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults& defaults) {
   std::vector<std::string> keys;
   std::map<std::string, double> values;
@@ -66,6 +67,7 @@ class Injector {
   }
 
  private:
+  // Lists the effect among the injected ones; the inject() functions change the arm, its sensors or contacts and call it.
   void add(const HiddenEffect& hidden, std::string place, std::optional<JointIndex> joint,
            std::map<std::string, double> values) {
     out_.effects.push_back({hidden.effect, std::move(place), joint, std::move(values)});
@@ -174,6 +176,7 @@ class Injector {
     add(hidden, hidden.place, std::nullopt, std::move(v));
   }
 
+  // Changes a number of a frame or a joint's zero.
   void inject_number(const HiddenEffect& hidden, const KinematicError& cause) {
     ModelDescription arm = out_.arm.description();
     const double before = value_of(cause, arm);
@@ -257,6 +260,7 @@ class Injector {
     return false;
   }
 
+  // The first key of the request that is none of these; empty: none.
   static std::string unknown_key(const HiddenEffect& hidden, const std::vector<std::string>& keys) {
     for (const auto& [key, value] : hidden.values) {
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) return key;

@@ -46,6 +46,7 @@ VectorXd relative_error(const MatrixXd& found, const MatrixXd& expected,
   return (error.array() / size.array()).sqrt();
 }
 
+// Sets motion_rms and motion_max of `out`, over the rows in use.
 void compare_motion(const ReplayInput& input, Replay& out) {
   const Eigen::Index n = input.tau.cols();
   out.motion_rms = out.motion_max = VectorXd::Zero(n);

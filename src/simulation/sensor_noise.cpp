@@ -41,6 +41,7 @@ struct Wave {
   Eigen::ArrayXd value, rate, bend;
 };
 
+// A sum of kWaves sines of random frequency and phase with this root mean square.
 Wave random_waves(const VectorXd& time, double rms, RandomNumbers& random) {
   const Eigen::ArrayXd zero = Eigen::ArrayXd::Zero(time.size());
   Wave sum{zero, zero, zero};
@@ -74,6 +75,7 @@ Wave fade_in_and_out(const VectorXd& time) {
   return fade;
 }
 
+// Adds white and coloured noise to a joint's torques, in proportion to their rms.
 void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index joint,
                       const VectorXd& time, MatrixXd& tau) {
   const double rms = std::sqrt(tau.col(joint).squaredNorm() / static_cast<double>(tau.rows()));

@@ -68,6 +68,7 @@ SensorNoise preset_of(const std::string& name) {
                           ", expected one of: ", listed(sensor_noise_names()), "."));
 }
 
+// Sets the amount of "KEY=VALUE"; throws InvalidInput for an unknown key or a value out of range.
 void change(const std::string& pair, SensorNoise& noise) {
   const auto equals = pair.find('=');
   const std::string name = pair.substr(0, equals);

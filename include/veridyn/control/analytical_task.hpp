@@ -37,7 +37,7 @@ class AnalyticalTask {
   AnalyticalTask(int joints, TaskRows rows,
                  const Eigen::Matrix3d& home = Eigen::Matrix3d::Identity());
 
-  /// Vectors have the sizes of the constructor; debug builds assert it.
+  /// Computes x, dx, J_a, its rate and T_A from the tip's motion in the world; debug builds assert the number of joints.
   void update(const TipKinematics& tip) noexcept;
 
   const Vector6d& x() const { return x_; }
@@ -49,7 +49,7 @@ class AnalyticalTask {
   /// Converts a wrench [force; moment] about the tip, written in the world, to h_a.
   Vector6d wrench(const Vector6d& h_world) const noexcept;
 
-  /// x_d - x with angles wrapped to +-pi.
+  /// x_d - x of the last update(), [m] and [rad], with angles wrapped to +-pi.
   Vector6d difference(const Vector6d& x_wanted) const noexcept;
 
   /// The task coordinates of a pose.

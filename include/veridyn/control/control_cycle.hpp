@@ -62,7 +62,7 @@ struct ControllerFault {
   std::optional<JointIndex> joint;  ///< nullopt: the fault concerns no single joint
   double time = 0.0;                ///< [s] time since the controller was made or reset
 };
-/// Writes "position limit of joint 2 at 1.204 s"; joints count from 1.
+/// Writes "a position limit of joint 2 at 1.204 s"; joints count from 1.
 std::ostream& operator<<(std::ostream& out, const ControllerFault& fault);
 
 /// The tip, or default_tip() if it has no frame. @throws InvalidInput  the arm has no joints.

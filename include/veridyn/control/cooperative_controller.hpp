@@ -191,7 +191,7 @@ class CooperativeController {
   void give_way(const CooperativeInput& input) noexcept;  ///< follows a falling arm, then relieves members
   void update_lengths(const CooperativeInput& input) noexcept;  ///< updates the guard's unloaded lengths
   bool generates_energy(size_t member, const ForceReading& reading,
-                    const CooperativeInput& input) noexcept;
+                    const CooperativeInput& input) noexcept;  ///< see kEnergyMade; advances the member's monitor
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;  ///< see kSensorStuck
   bool jumps(size_t member, const ForceReading& reading, double length) noexcept;  ///< see kSensorJumped
   bool drifts(size_t member, const ForceReading& reading, const CooperativeInput& input) noexcept;  ///< see kSensorDrifted

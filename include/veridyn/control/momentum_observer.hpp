@@ -47,7 +47,7 @@ class MomentumObserver {
   const VectorXd& update(const ArmState& arm, const VectorXd& tau_motor, const VectorXd& ddq,
                          double dt) noexcept;
 
-  void reset() noexcept;
+  void reset() noexcept;  ///< sets r, threshold and force to zero, ends a contact, and restarts with the next update()
 
   const VectorXd& torque() const { return r_; }             ///< r
   const VectorXd& threshold() const { return threshold_; }  ///< (n)

@@ -52,10 +52,11 @@ class ObjectImpedance {
   /// zero.
   explicit ObjectImpedance(const ObjectImpedanceOptions& options);
 
-  /// Sets the force with which two hands pull against each other [N]; tension is positive.
+  /// Sets the force with which two hands pull against each other [N]; tension is positive. False, without a change, for equal
+  /// hands, hands that do not exist, and a force that is not finite.
   bool set_internal_force(int hand, int other, double force) noexcept;
 
-  /// Estimates the object's motion from its hands: Gauss-Newton steps from the last estimate. Two hands do
+  /// Estimates the object's motion from its hands, [m] and [m/s] in the world: Gauss-Newton steps from the last estimate. Two hands do
   /// not determine a rotation about the line between them, which keeps its last value. If a number is not
   /// finite, the whole estimate keeps its last value.
   const ObjectMotion& estimate(const std::vector<Eigen::Vector3d>& positions,
@@ -73,7 +74,7 @@ class ObjectImpedance {
 
  private:
   void distribute(const ObjectMotion& now, const Eigen::Vector3d& F,
-                  const Eigen::Vector3d& N) noexcept;
+                  const Eigen::Vector3d& N) noexcept;  ///< sets the targets' forces to the smallest with resultant F and moment N
 
   ObjectImpedanceOptions options_;
   double reach_;              // [m] mean distance of the grasps

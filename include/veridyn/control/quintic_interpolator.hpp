@@ -24,7 +24,7 @@ class QuinticInterpolator {
   /// another size or an entry that is not finite, or if the duration is not above zero.
   bool move_to(const VectorXd& goal, double duration) noexcept;
 
-  /// Stops within `duration` [s], at a goal that is velocity * duration / 2 ahead of the present position.
+  /// Stops within `duration` [s], at a goal that is velocity * duration / 2 ahead of the present position. False as move_to().
   bool stop(double duration) noexcept;
 
   /// Advances the time by dt [s] >= 0; the point rests at the goal once it is reached.

@@ -50,7 +50,7 @@ enum class SafetyAction {
   kFreeze
 };
 
-/// Fixed text of a state, a fault or an action, such as "position limit".
+/// Fixed text of a state or a fault, such as "a position limit".
 const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
 
@@ -87,8 +87,8 @@ struct SafetyLimits {
   double model_error = 0.1;
 };
 
-/// Position and velocity limits of the robot file; its effort limits if it has any, else `torque` for every
-/// joint; a tracking error of 5 % of the range.
+/// Position, velocity and effort limits of the robot file; `torque` [N m], [N] for each joint without an effort limit; a
+/// tracking error of 5 % of the range, or 0.1 rad or 0.02 m without one.
 SafetyLimits safety_limits(const Model& arm, double torque);
 
 /// Inputs of the supervisor in a cycle, in addition to the arm's state.
@@ -160,14 +160,14 @@ class SafetySupervisor {
   };
   Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< the first fault found
   Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< values that are not finite, old samples
-  Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;
-  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;
-  Finding check_force(const SafetyInput& input) noexcept;
+  Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< cycle time, and range, speed and tracking of each joint
+  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< finite and not saturated for too long; adds to saturated_
+  Finding check_force(const SafetyInput& input) noexcept;  ///< sensor, size and disagreement; adds to disagreed_
   Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;  ///< a fault of an arm that does not stop
-  bool is_at_rest(const ArmState& arm) const noexcept;
+  bool is_at_rest(const ArmState& arm) const noexcept;  ///< all joints are slower than rest_share of their limits
   void record_finding(const Finding& found) noexcept;  ///< one event per kind of fault
-  void store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept;
-  void keep_holding_torque() noexcept;
+  void store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept;  ///< positions, momentum and load, for kFreeze
+  void keep_holding_torque() noexcept;  ///< limits extra_ and sets frozen_, at a fault
   void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;  ///< sets out_ by the action
   void brake(const ArmState& arm) noexcept;  ///< sets out_ to brake, then to hold
 

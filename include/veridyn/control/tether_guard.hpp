@@ -53,8 +53,8 @@ class TetherGuard {
   /// @throws InvalidInput  ends that do not exist, options that are not above zero.
   TetherGuard(int arms, std::vector<Member> members, const TetherGuardOptions& options);
 
-  void reset() noexcept;
-  /// While the task runs: updates the unloaded length of a member. @param force  [N] reading.
+  void reset() noexcept;  ///< clears all lengths, estimates and motions
+  /// While the task runs: updates the unloaded length of a member. @param length  [m] between its tips. @param force  [N] reading.
   void update_length(int member, double length, double force) noexcept;
   /// While targets are held: detects compression of a member. @param force  [N] reading.
   void detect_compression(int member, double force) noexcept;
@@ -79,9 +79,9 @@ class TetherGuard {
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
     bool looked = false;  // a finite position has been received
   };
-  void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;
-  void limit(std::size_t member, double length, double force) noexcept;
-  void limit_end_accelerations(std::size_t member, const std::vector<char>& healthy, double force) noexcept;
+  void update_positions(const std::vector<Eigen::Vector3d>& position) noexcept;  ///< advances seen_ by one period
+  void limit(std::size_t member, double length, double force) noexcept;  ///< sets L_max of the member
+  void limit_end_accelerations(std::size_t member, const std::vector<char>& healthy, double force) noexcept;  ///< corrects its healthy ends' motions_ to keep L_max and L_min
 
   TetherGuardOptions options_;
   std::vector<Member> members_;

@@ -44,8 +44,8 @@ class TorqueUncertainty {
   bool identified() const { return identified_; }
 
  private:
-  void read_identified(const Model& arm);
-  void add_friction(const ArmState& arm) noexcept;
+  void read_identified(const Model& arm);  ///< sets identified_, column_, factor_ and unexplained_ if base parameters have scatter
+  void add_friction(const ArmState& arm) noexcept;  ///< adds the uncertainty of friction to u_
 
   UncertaintyOptions options_;
   TorqueRegressor regressor_;

@@ -21,7 +21,7 @@ class VelocityObserver {
   /// @param bandwidth  [1/s] @throws InvalidInput  not above zero.
   explicit VelocityObserver(int joints, double bandwidth = 300.0);
 
-  /// @param ddq  (n) expected acceleration; zeros if unknown. Constant offsets of the encoders have no
+  /// @param ddq  (n) expected acceleration; zeros if unknown. @param dt  [s] since the last call. Constant offsets of the encoders have no
   /// effect.
   /// @returns dq (n), zero at the first update(). Positions that are not finite are skipped: pass NaN if no
   /// new sample has arrived, and the velocity is extrapolated. Nothing changes if dt is not finite or not

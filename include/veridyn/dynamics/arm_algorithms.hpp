@@ -66,6 +66,7 @@ struct ArmAlgorithms {
     first_parts(tree, parts, at);
     return parts.used;
   }
+  /// The parts of a block of workspace(tree) bytes.
   static Memory divide(const Links& tree, void* memory) {
     Parts parts{static_cast<char*>(memory)};
     return divide(tree, parts);
@@ -286,7 +287,7 @@ struct ArmAlgorithms {
     return true;
   }
 
-  /// Computes ddq and its derivatives by q, dq and tau: -M^-1 dtau/dx at that ddq, and M^-1.
+  /// Computes ddq and its derivatives by q, dq and tau: -M^-1 dtau/dx at that ddq, and M^-1. False as forward_dynamics().
   static bool forward_derivatives(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
                                   S* ddq, S* by_q, S* by_dq, S* by_tau, const Memory& at) {
     const Links& tree = arm.tree;
@@ -427,6 +428,7 @@ struct ArmAlgorithms {
     }
   };
 
+  /// Sets state, column and angle of `at`; the other pointers stay as they are.
   static void first_parts(const Links& tree, Parts& parts, Memory& at) {
     at.state = parts.template allocate<LinkState<S>>(tree.count);
     at.column = parts.template allocate<Screw<L>>(tree.count);
@@ -455,6 +457,7 @@ struct ArmAlgorithms {
     return at;
   }
 
+  /// A pack of the numbers from `from` on, or that number alone.
   static L lanes_at(const double* from) {
     if constexpr (kWide) {
       L to;
@@ -487,6 +490,7 @@ struct ArmAlgorithms {
     at.world.changes_by_position(tree);
   }
 
+  /// Computes M, exactly symmetric, from inertias that are summed over subtrees.
   static void mass_pairs(const Links& tree, S* M, const Memory& at) {
     at.world.forces(tree);
     write_pair_matrix<false>(tree, kMassUpper, kMassLower, 1.0, M, at);
@@ -497,7 +501,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// Computes an (n x n) matrix over coordinates, which is a sum over pairs of links.
+  /// Computes an (n x n) matrix over coordinates, which is `scale` times a sum over pairs of links; with kVectors, also of their vectors.
   template <bool kVectors>
   static void write_pair_matrix(const Links& tree, const typename World::Products& upper,
                                 const typename World::Products& lower, double scale, S* to,
@@ -546,11 +550,12 @@ struct ArmAlgorithms {
            tree.independent ? 1.0 : tree.coefficient[e].coefficient);
   }
 
+  /// The coordinate of link k; its first one if it has several.
   static int coordinate(const Links& tree, int k) {
     return tree.coefficient[tree.link[k].first_coefficient].coordinate;
   }
 
-  /// Writes n columns of a matrix that is given by rows, times a factor.
+  /// Writes n columns, times `by`, of a matrix whose rows have `width` packs, of which those from `first` on are read.
   static void write_by_columns(const Links& tree, int width, int first, double by, L* rows, S* to,
                                const Memory& at) {
     const int n = tree.joints;

@@ -51,7 +51,7 @@ class ArmDynamics {
     Algorithms::velocity_derivative(links(), q.data(), dq.data(), 0.5, nullptr, nullptr, C.data(),
                                     memory());
   }
-  /// False if M is not positive definite; scalars that cannot be compared are not checked.
+  /// Solves for ddq. False if M is not positive definite; scalars that cannot be compared are not checked.
   bool forward_dynamics(const Vector& q, const Vector& dq, const Vector& tau, Vector& ddq) {
     return Algorithms::forward_dynamics(links(), q.data(), dq.data(), tau.data(), ddq.data(),
                                         matrix_.data(), memory());
@@ -62,7 +62,7 @@ class ArmDynamics {
     Algorithms::derivatives(links(), q.data(), dq.data(), ddq.data(), tau.data(), by_q.data(),
                             by_dq.data(), M.data(), memory());
   }
-  /// Computes ddq and its derivatives; the one by tau is the inverse of M.
+  /// Computes ddq and its derivatives; the one by tau is the inverse of M. False as forward_dynamics().
   bool forward_dynamics_derivatives(const Vector& q, const Vector& dq, const Vector& tau,
                                     Vector& ddq, Matrix& by_q, Matrix& by_dq, Matrix& by_tau) {
     return Algorithms::forward_derivatives(links(), q.data(), dq.data(), tau.data(), ddq.data(),

@@ -20,6 +20,7 @@ struct BodyMotion {
   Vec3<S> differences;  ///< omega_y^2 - omega_z^2, omega_z^2 - omega_x^2, omega_x^2 - omega_y^2
 };
 
+/// The motion of a body whose frame is that of its link.
 template <typename S>
 inline BodyMotion<S> body_motion(const LinkState<S>& at) {
   const Vec3<S>& alpha = at.alpha;
@@ -64,7 +65,7 @@ inline void regressor_entries(const BodyMotion<S>& b, const Column<L>& c, const 
   put(9, w.z * b.alpha.z + w.x * b.products.x - w.y * b.products.y);
 }
 
-/// Force and moment that a link needs for its own motion. They are linear in accel and E, so that the
+/// Force and moment that a link needs for its own motion, if I has the zeros of link_inertias(). They are linear in accel and E, so that the
 /// derivatives of accel and E in their place give the derivatives of force and moment.
 template <typename S>
 inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
@@ -89,7 +90,7 @@ inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& a
 
 namespace recursion_detail {
 
-/// Transforms force and moment of a link to its joint's origin, in the frame of its parent.
+/// Adds force and moment at a joint's origin, in its axes, to those of the parent, at the parent's origin and in its axes.
 template <typename S, typename L>
 inline void to_parent(const Link& link, const Mat3<S>& R, const Vec3<L>& force,
                       const Vec3<L>& moment, Vec3<L>& parent_force, Vec3<L>& parent_moment) {

@@ -79,6 +79,7 @@ struct Momentum {
   Mat3<S> W;
 };
 
+/// The momentum of masses with the inertia I that move with `velocity`.
 template <typename S>
 inline Momentum<S> momentum(const InertiaOf<S>& I, const Screw<S>& velocity) {
   const Vec3<S>& w = velocity.w;
@@ -109,6 +110,7 @@ struct Symmetric3 {
   S xx, xy, yy, xz, yz, zz;
 };
 
+/// The product A a.
 template <typename S>
 inline Vec3<S> rotate(const Symmetric3<S>& A, const Vec3<S>& a) {
   return {A.xx * a.x + A.xy * a.y + A.xz * a.z, A.xy * a.x + A.yy * a.y + A.yz * a.z,
@@ -202,7 +204,7 @@ struct WorldRecursion {
     set(quantity + 3, k, a.v);
   }
 
-  /// The private accessors read and write one link (k) or a group of links side by side (g).
+  /// The accessors here read and write one link (k) or a group of links side by side (g).
   static L load(const S* from) {
     if constexpr (kWide) {
       L to;
@@ -212,6 +214,7 @@ struct WorldRecursion {
       return *from;
     }
   }
+  /// Stores the first `count` lanes.
   static void store(const L& from, int count, S* to) {
     if constexpr (kWide) store_lanes(from, count, &to->v);
     if constexpr (!kWide) *to = from;
@@ -371,12 +374,13 @@ struct WorldRecursion {
 
   // The functions below need the sums of sum_over_subtrees().
 
+  /// Computes kForce.
   void forces(const Links& tree) const {
     for (int g = 0; g < groups(tree.count); ++g)
       set_lanes(kForce, g, wrench(lane_inertia(g), lane_screw(kAxis, g)));
   }
 
-  /// A small motion of a joint adds a + 2 w x xdot to the acceleration at x of all that it carries:
+  /// Computes kSpin and kByVelocity. A small motion of a joint adds a + 2 w x xdot to the acceleration at x of all that it carries:
   /// one motion of one composite body.
   void changes_by_velocity(const Links& tree) const {
     for (int g = 0; g < groups(tree.count); ++g) {
@@ -387,6 +391,7 @@ struct WorldRecursion {
                 wrench(lane_inertia(g), lane_screw(kDrift, g)) + wrench(c, axis.w));
     }
   }
+  /// Computes kByPosition; needs accelerations().
   void changes_by_position(const Links& tree) const {
     using C = typename ConstantOf<S>::type;
     const L half(static_cast<C>(0.5));
@@ -503,7 +508,7 @@ struct WorldRecursion {
     return true;
   }
 
-  /// Solves for the accelerations of the joints from rest, in place; needs articulate().
+  /// Turns efforts x, one per link, into the accelerations from rest; needs articulate(). @param memory  one per link.
   void solve(const Links& tree, S* x, Screw<S>* memory) const {
     for (int k = 0; k < tree.count; ++k) memory[k] = none<S>();
     for (int k = tree.count - 1; k >= 0; --k) {
@@ -629,6 +634,7 @@ struct WorldRecursion {
   static constexpr Torque kTorque{};
 
   static Response zero_response() { return {none<L>(), recursion_detail::zero3<L>()}; }
+  /// Sets the responses of those links 0 .. end - 1 that fork to zero.
   static void clear_forks(const Links& tree, int end, Response* memory) {
     for (int k = 0; k < end; ++k) {
       if (tree.link[k].forks) memory[k] = zero_response();
@@ -692,6 +698,7 @@ struct WorldRecursion {
   static Screw<X> none() {
     return {recursion_detail::zero3<X>(), recursion_detail::zero3<X>()};
   }
+  /// Sets one lane of `to`; without packs, all of it.
   static void put_lane(int lane, const S& from, L& to) {
     if constexpr (kWide) {
       to = L(lane_index() == static_cast<long long>(lane) ? L(from).v : to.v);

@@ -120,7 +120,7 @@ std::optional<FrameIndex> frame_of(const Cause& cause);
 /// the frame; nullopt: the whole arm.
 std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause);
 
-/// True if both are the same effect at the same joint or frame; a new effect equals a changed one.
+/// True if both are the same effect at the same joint or frame, whichever constant it concerns; a new effect equals a changed one.
 bool same_cause(const Cause& a, const Cause& b);
 
 /// The parts of a cause, for reports.

@@ -158,7 +158,7 @@ std::optional<JointIndex> channel_joint(const ChannelEffect& effect, const Effec
 /// The joint from which an error comes; nullopt: it has no source.
 std::optional<JointIndex> channel_source(const EffectTerm& term);
 
-/// The arm with the error that `term` describes.
+/// The arm with the error that `term` describes. @throws InvalidInput  it is no channel error.
 Model with_channel_error(const Model& arm, const EffectTerm& term,
                          const std::vector<double>& values);
 

@@ -39,6 +39,7 @@ class PointMotion {
     Vec3d z, p;
   };
 
+  /// Adds one axis' column (linear, angular), times each coefficient, to the columns of its coordinates.
   void add(const Axis& axis, const Vec3d& linear, const Vec3d& angular, MatrixXd& to) const;
 
   Tree tree_;

@@ -23,6 +23,7 @@ struct ConstantOf<float> {
   using type = float;
 };
 
+/// Constants in the scalar type of ConstantOf.
 template <typename S>
 inline Vec3<typename ConstantOf<S>::type> constant(const Vec3d& a) {
   using C = typename ConstantOf<S>::type;
@@ -173,7 +174,7 @@ inline Vec3<V> from_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) 
   return {R.row0.x * a.x + R.row0.y * a.y, R.row1.z * a.z, R.row2.x * a.x + R.row2.y * a.y};
 }
 
-/// Computes one link's velocity and acceleration from its parent's.
+/// Computes velocity, acceleration and E of link k from its parent's; needs joint_pass().
 template <typename S>
 inline void forward_step(const Links& tree, int k, const Vec3d& gravity, const Workspace<S>& r) {
   namespace d = recursion_detail;

@@ -29,7 +29,7 @@ struct Tree {
   int add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,
                double offset, const Posed& A, const Posed& B = identity_pose());
 
-  /// Adds a body; bodies are numbered in the order of phi.
+  /// Adds a body to a link (-1: the world); bodies are numbered in the order of phi.
   void add_body(int link, const Posed& T_link_body = identity_pose()) {
     int next = -1;
     if (link >= 0) {

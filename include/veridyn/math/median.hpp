@@ -19,7 +19,7 @@ Number median(std::vector<Number> values) {
 /// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 constexpr double kMadToDeviation = 1.4826;
 
-/// The median step from one time to the next.
+/// The median step from one time to the next; zero for fewer than two times.
 template <typename Times>
 auto median_step(const Times& time) {
   std::vector<std::decay_t<decltype(time[0])>> steps;

@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-/// Text of a file for a message: on one line, without control characters, and at most `longest` bytes long.
+/// Text of a file for a message: on one line, without control characters, and cut to `longest` bytes and "..." if longer.
 inline std::string excerpt(std::string found, std::size_t longest = 60) {
   if (found.size() > longest) found = found.substr(0, longest) + "...";
   std::replace_if(

@@ -18,7 +18,7 @@ namespace veridyn {
 /// them.
 ///
 /// @param positions  by name of the coordinate [rad] or [m].
-/// @throws InvalidInput  no such coordinate, or none would be left.
+/// @throws InvalidInput  no such coordinate, none would be left, or crosstalk from a locked one.
 Model with_fixed(const Model& arm, const std::map<std::string, double>& positions);
 
 /// Returns the arm with these torques per ampere of motor current, one for each coordinate [N m/A],

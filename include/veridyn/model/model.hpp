@@ -217,17 +217,17 @@ class Model {
   std::vector<std::vector<char>> support_;
 };
 
-/// Sets the constant parts A and B of a frame from its DH row.
+/// Sets dh, A and B of a frame, and adds theta (revolute) or d (prismatic) to its offset; its type must be set.
 void place(Frame& frame, const DhRow& dh);
 
 /// The units of a coordinate's effort, "N m" or "N", and of its position, "rad" or "m".
 std::string effort_unit(const Coordinate& coordinate);
 std::string position_unit(const Coordinate& coordinate);
 
-/// True if the axis' variable is in metres: all coordinates with a coefficient are prismatic.
+/// True if the axis' variable is in metres: main_coordinate() is prismatic.
 bool is_prismatic(const Model& arm, const Axis& axis);
 
-/// The index of the coordinate with the largest share in the axis.
+/// The index of the coordinate with the largest coefficient by magnitude; 0 if all are zero.
 int main_coordinate(const Axis& axis);
 
 }  // namespace veridyn

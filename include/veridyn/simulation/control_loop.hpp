@@ -18,7 +18,7 @@ namespace veridyn {
 /// gets a bandwidth of `frequency` [Hz], critical damping, and an integral term ten times slower.
 PidGains sensible_gains(const Model& arm, double frequency = 6.0);
 
-/// Gains d for given p: critical damping of each joint with its inertia in the middle of the range.
+/// Gains d [N m s/rad], [N s/m] for given p: critical damping of each joint with its inertia in the middle of the range.
 VectorXd critical_damping(const Model& arm, const VectorXd& p);
 
 /// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, one number per joint. The default of i is zero,
@@ -87,7 +87,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
 MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps);
 
 /// Applies recorded torques: row k from its time until that of row k + 1. Starts at the first row
-/// of `motion`, whose times are used.
+/// of `motion`, whose times are used. @throws InvalidInput  sizes differ, or fewer than two rows.
 EngineRun run_with_torques(Engine& engine, const MotionSamples& motion, const MatrixRef& tau);
 
 /// Effort of a contact in addition to the motor's torque at time t [s] since the start: the full

@@ -11,7 +11,7 @@ namespace veridyn {
 MotionSamples motion_at(const MotionSamples& motion, const VectorXd& times);
 
 /// The motion on a uniform grid of `rate` [Hz], from the first row on.
-/// @throws InvalidInput  the rate is not above zero and finite, or would make more than 1e8 rows.
+/// @throws InvalidInput  the rate makes fewer than two rows, or more than a quarter of the machine's memory holds.
 MotionSamples resampled(const MotionSamples& motion, double rate);
 
 }  // namespace veridyn

@@ -15,6 +15,7 @@ struct FileToWrite {
   std::function<void()> tell = {};  ///< prints remarks on this file once all files are written
 };
 
+/// Writes all files, then calls their tell().
 inline void write_all(const std::vector<FileToWrite>& files) {
   for (const FileToWrite& file : files) write_file(file.path, file.content);
   for (const FileToWrite& file : files) {

@@ -18,8 +18,8 @@ class KeptResults {
   /// @throws InvalidInput  the file belongs to another command, or cannot be written.
   KeptResults(std::string path, const std::string& what, const std::string& command);
 
-  std::optional<VectorXd> find(int part) const;
-  void keep(int part, const VectorXd& numbers);
+  std::optional<VectorXd> find(int part) const;  ///< numbers of this part; nullopt: not kept yet
+  void keep(int part, const VectorXd& numbers);  ///< appends them to the file; find() has only those of earlier runs. @throws InvalidInput  it cannot be written
 
  private:
   std::string path_;

@@ -26,6 +26,7 @@ struct ExportExtension {
   std::function<void(const Model&, std::vector<FileToWrite>&)> add_files;
 };
 
+/// Adds `export`; nullopt: with the options of the library alone.
 void add_export_command(CLI::App& tool, Outcome& outcome, const std::optional<ExportExtension>& extension);
 
 /// Arms that `kinematics` knows by another name.
@@ -40,6 +41,7 @@ struct KinematicsExtension {
   std::function<std::optional<Arm>(const std::string& name)> read;
 };
 
+/// Adds `kinematics`, which reads the arms of the extension too.
 void add_kinematics_command(CLI::App& tool, Outcome& outcome, const KinematicsExtension& extension);
 
 /// A purpose of `excite` other than a motion for identification.
@@ -56,6 +58,7 @@ struct ExciteExtension {
   std::function<std::optional<ExitStatus>(const Request&)> run;
 };
 
+/// Adds `excite`; nullopt: for motions alone.
 void add_excite_command(CLI::App& tool, Outcome& outcome, const std::optional<ExciteExtension>& extension);
 
 }  // namespace veridyn::cli

@@ -19,6 +19,7 @@ Vector3d centroid(const std::vector<Vector3d>& points) {
   return sum / static_cast<double>(points.size());
 }
 
+// Unit vector; zero for a displacement of at most kShortest.
 Vector3d direction(const Vector3d& displacement) {
   const double length = displacement.norm();
   return length > kShortest ? Vector3d(displacement / length) : Vector3d::Zero();

@@ -24,6 +24,7 @@ Matrix3d cross_matrix(const Vector3d& a) {
   return m;
 }
 
+// The rotation of a rotation vector [rad]; the identity if it is zero or not finite.
 Matrix3d turned(const Vector3d& by) {
   const double angle = by.norm();
   return angle > 0.0 && std::isfinite(angle) ? Eigen::AngleAxisd(angle, by / angle).toRotationMatrix()

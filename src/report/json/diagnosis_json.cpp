@@ -9,6 +9,7 @@
 namespace veridyn {
 namespace {
 
+// Errors over all training and all test recordings, and those of each test recording.
 Json error_pair(const Identification& id) {
   Json out;
   out["train"] = error_json(id.train_error, id.train_repaired, id.train_without_excluded);
@@ -76,6 +77,7 @@ Json verdict_json(const Diagnosis& d, const JointVerdict& v) {
   return out;
 }
 
+// Adds signals, words and curve of an unnamed effect to its finding.
 void add_shape(const UnnamedShape& shape, Json& out) {
   out["signals"] = shape.signals;
   out["shape"] = shape.words;
@@ -138,6 +140,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
   return out;
 }
 
+// The recording of this file, if rows of it were filled; else null.
 const RecordingError* with_filled_rows(const Identification& id, const std::string& file) {
   for (const auto* list : {&id.train, &id.test}) {
     for (const RecordingError& r : *list) {

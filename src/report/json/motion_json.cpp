@@ -7,12 +7,14 @@
 namespace veridyn {
 namespace {
 
+// Root mean square of each column.
 VectorXd rms(const MatrixXd& columns) {
   return (columns.colwise().squaredNorm() / static_cast<double>(columns.rows()))
       .cwiseSqrt()
       .transpose();
 }
 
+// Bounds, file's limits and Fourier coefficients of joint i, from 0.
 Json bounds_json(const Excitation& e, Eigen::Index i) {
   const auto joint = static_cast<std::size_t>(i);
   return {{"name", e.joints[joint]},

@@ -5,6 +5,7 @@
 namespace veridyn {
 namespace {
 
+// A value with its 95 % interval; both null if the motion did not show it (`seen`).
 Json interval_json(double value, double low, double high, const char* unit, bool seen = true) {
   if (!seen) return {{"value", nullptr}, {"unit", unit}, {"ci95", nullptr}};
 

@@ -5,6 +5,7 @@
 namespace veridyn {
 namespace {
 
+// First row and the row after the last; null instead of it: to the end.
 Json rows_json(const PreprocessingOptions& o) {
   const Json end = o.row_count ? Json(o.first_row + *o.row_count) : Json();
   return Json::array({o.first_row, end});

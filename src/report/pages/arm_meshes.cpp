@@ -49,6 +49,7 @@ Triangles box_of(const Eigen::Vector3d& size) {
   return out;
 }
 
+// The surface in the shape's own axes [m].
 Triangles surface_of(const LinkShape& shape) {
   using Kind = LinkShape::Kind;
   if (shape.kind == Kind::kMesh) return {shape.points, shape.triangles};
@@ -84,7 +85,7 @@ Triangles on_coarse_grid(const Triangles& fine, double cell) {
   return out;
 }
 
-// @param most  number of triangles above which vertices are merged.
+// The surface with merged vertices, or its box, if it has more than `most` triangles.
 Triangles with_fewer_triangles(const Triangles& whole, int most) {
   if (static_cast<int>(whole.corners.size()) <= most) return whole;
   Eigen::Vector3d low = whole.points.front(), high = low;
@@ -102,6 +103,7 @@ Triangles with_fewer_triangles(const Triangles& whole, int most) {
   return box;
 }
 
+// A surface in the shape's axes, written in those of its frame.
 Json mesh_json(int frame, const LinkShape& shape, const Triangles& surface) {
   const auto n = static_cast<Eigen::Index>(surface.points.size());
   MatrixXd points(n, 3);

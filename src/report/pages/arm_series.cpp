@@ -10,6 +10,7 @@ namespace {
 constexpr double kOpenTurn = 2.0;   // [rad] range that is shown for a joint without limits
 constexpr double kOpenWay = 0.2;    // [m] range that is shown for a joint without limits
 
+// The first three rows of T, one after the other, rounded to 1e-9.
 Json pose_rows(const Eigen::Isometry3d& T) {
   Json out = Json::array();
   for (int r = 0; r < 3; ++r) {

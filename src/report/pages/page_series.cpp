@@ -58,6 +58,7 @@ Column extended_torque(const PredictionSeries& model, const PredictionSeries& ex
   return out;
 }
 
+// Packed columns of a joint (from 0), every `step`-th sample.
 Json joint_json(const PlottedRecording& recording, std::size_t joint, Eigen::Index step) {
   const PredictionSeries& s = recording.model->series;
   Json out;

@@ -36,6 +36,7 @@ std::string modification_time(const fs::path& path) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(about.st_mtime));
 }
 
+// Empty if the file cannot be read.
 std::string content_of_file(const fs::path& path) {
   std::ostringstream out;
   out << std::ifstream(path, std::ios::binary).rdbuf();
@@ -58,6 +59,7 @@ Json result_in(const fs::path& path) {
   return ours && found["command"].is_string() ? found : Json();
 }
 
+// The first kMostSentences sentences of verdict and findings, without insignificant ones.
 Json sentences_of(const Json& result) {
   Json out = Json::array();
   const auto add = [&out](const Json& sentence) {
@@ -74,6 +76,7 @@ Json sentences_of(const Json& result) {
   return out;
 }
 
+// Effect parameters of the model that have a value; "std" is null where unknown.
 Json parameters_of(const Model& arm) {
   Json out = Json::array();
   for (const EffectTerm& term : arm.effects()) {

@@ -40,7 +40,7 @@ void plot_errors(const char* role, const std::vector<RecordingError>& model,
   }
 }
 
-// Value of each base parameter in the robot file; null where the file lacks a value.
+// Value of each base parameter in the robot file; null where the file lacks a value; no entries without inertial values.
 Json values_in_file(const Identification& id, const Model& robot) {
   Json out = Json::array();
   const auto& identified = id.model->description().identified;

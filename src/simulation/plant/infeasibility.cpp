@@ -33,11 +33,12 @@ struct Candidate {
   double worth;
 };
 
-// Searches configurations for the smallest eigenvalue of a symmetric matrix.
+// Searches the joints' range for the configuration with the lowest value of a function `worth`.
 class Range {
  public:
   explicit Range(const Model& arm) : limits_(motion_limits(arm)) {}
 
+  // The middle, corners, and kSpread evenly spread configurations of the range.
   std::vector<VectorXd> configurations() const {
     const auto n = static_cast<int>(limits_.lower.size());
     std::vector<VectorXd> all{position_at_share(VectorXd::Constant(n, 0.5))};
@@ -75,6 +76,7 @@ class Range {
     return limits_.lower + share.cwiseProduct(limits_.upper - limits_.lower);
   }
 
+  // Steps along single coordinates, of 10 % of their range and less, kept where they lower `worth`.
   template <typename Worth>
   Candidate descended(Candidate from, const Worth& worth) const {
     for (double share = 0.1; share > 1e-3; share *= 0.5) {
@@ -103,7 +105,7 @@ std::string where(const Model& arm, const VectorXd& q) {
   return out;
 }
 
-// The ratio of the smallest to the largest eigenvalue after scaling by the joints' own sizes, so that light and
+// The smallest eigenvalue (-1 if an entry is not finite) after scaling by the joints' own sizes, so that light and
 // heavy joints count alike.
 double smallest_scaled_share(const MatrixXd& M, const VectorXd& size) {
   const MatrixXd scaled = size.cwiseInverse().asDiagonal() * M * size.cwiseInverse().asDiagonal();
@@ -112,7 +114,7 @@ double smallest_scaled_share(const MatrixXd& M, const VectorXd& size) {
   return solver.eigenvalues()[0];
 }
 
-// Finds a joint whose friction stops it at once: no identified joint has so little inertia.
+// One line on a joint whose friction stops it at once, empty if there is none: no identified joint has so little inertia.
 std::string without_inertia(const Model& arm, RigidBodyDynamics& rigid, const PlantForces& forces,
                             const Range& range) {
   MatrixXd M(arm.joints(), arm.joints());

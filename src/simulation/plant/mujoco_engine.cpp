@@ -152,6 +152,7 @@ class MujocoEngine final : public Engine {
     void operator()(mjData* d) const { mj_deleteData(d); }
   };
 
+  // Makes model_ and data_ in MuJoCo, and S_; throws InvalidInput if MuJoCo refuses the model.
   void load(const Model& arm) {
     const Tree tree(arm);
     const std::string xml = mjcf_of(tree, *arm.inertial_values());
@@ -204,6 +205,7 @@ class MujocoEngine final : public Engine {
     }
   }
 
+  // Sets failed_ to the first joint with a number that is not finite.
   bool is_finite(const VectorRef& tau, const VectorXd& q, const VectorXd& dq) noexcept {
     for (int i = 0; i < n_; ++i) {
       if (std::isfinite(tau[i]) && std::isfinite(q[i]) && std::isfinite(dq[i])) continue;
@@ -213,6 +215,7 @@ class MujocoEngine final : public Engine {
     return true;
   }
 
+  // Computes ddq at a state; M_ is then its Cholesky factor, and diagonal_ the diagonal of M.
   StepStatus acceleration(const VectorRef& tau, const VectorXd& q, const VectorXd& dq, double time,
                           VectorXd& ddq) noexcept {
     if (!is_finite(tau, q, dq)) return StepStatus::kNotFinite;

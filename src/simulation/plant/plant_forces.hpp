@@ -51,6 +51,7 @@ class PlantForces {
   /// Number of directions of dry friction; entry k acts along axis(k).
   int dry() const { return static_cast<int>(dry_.size()); }
   const double* axis(int k) const { return dry_[k].direction.data(); }  ///< direction of dry axis k, (n)
+  /// [rad/s], [m/s] along axis(k) of dry friction.
   double velocity(int k, const double* dq) const {
     return along(dry_[k].line, dq);
   }
@@ -65,6 +66,7 @@ class PlantForces {
 
   /// Number of directions with memory of the path.
   int memories() const { return static_cast<int>(memories_.size()); }
+  /// [rad/s], [m/s] along direction k of the memories.
   double memory_velocity(int k, const double* dq) const {
     return along(memories_[k], dq);
   }
@@ -101,17 +103,17 @@ class PlantForces {
     double value = 0.0;
   };
 
-  static Line line_of(const Axis& axis);
+  static Line line_of(const Axis& axis);  ///< nonzero coefficients
   static double along(const Line& line, const double* x) {
     double sum = 0.0;
     for (const Entry& e : line) sum += e.coefficient * x[e.coordinate];
     return sum;
   }
   static double force(const Term& term, const AxisSample& x, EffectState& state);  ///< of a term at x; advances its memory
-  static Affine affine(const Term& term);
+  static Affine affine(const Term& term);  ///< coefficients of an affine force
   static bool is_zero(const Term& term);  ///< all parameters are zero
-  AxisSample sample(const Term& term, double time, const double* q, const double* dq) const;
-  Term bound(const Model& arm, const EffectTerm& of);
+  AxisSample sample(const Term& term, double time, const double* q, const double* dq) const;  ///< without dds; load as of set_loads()
+  Term bound(const Model& arm, const EffectTerm& of);  ///< throws InvalidInput if the effect has no values
   void add_affine(const EffectTerm& of, const Affine& force);  ///< to inertia_, damping_ and the constant part
   void add_dry(const EffectTerm& of, const Term& term);  ///< to the dry axis with the same direction
 

@@ -54,22 +54,22 @@ struct Plant::State {
 
   bool evaluate(Instant& at);  ///< rigid bodies and biases at its state; false: mass matrix not positive definite
   bool factor(Instant& at);  ///< Cholesky factor L of M and rotors; false: not positive definite
-  bool evaluate_middle();
-  bool last_stage(const VectorRef& tau, double h);
-  void change_middle_velocity(double h);
-  void add_biases(Instant& at);
+  bool evaluate_middle();  ///< terms of `stage` and their slopes; false as evaluate()
+  bool last_stage(const VectorRef& tau, double h);  ///< k4, and the velocity of `there`; false as evaluate()
+  void change_middle_velocity(double h);  ///< of `stage`, from its first slope to the second
+  void add_biases(Instant& at);  ///< sets bias to h and the smooth forces
   enum class Friction { kDecide, kKeep };
-  void accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq);
-  void begin(const VectorRef& tau);
-  bool nystroem(const VectorRef& tau, double h);
-  double error(const VectorRef& tau, double h);
-  double velocity(int axis, const VectorXd& dq) const;
+  void accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq);  ///< sets ddq, loads and biases; kDecide: also which axes slide
+  void begin(const VectorRef& tau);  ///< sets ddq of `here` and which axes slide
+  bool nystroem(const VectorRef& tau, double h);  ///< sets `there`, h after `here`; false as evaluate()
+  double error(const VectorRef& tau, double h);  ///< largest ratio of estimated to allowed error; sets `failed` to its joint
+  double velocity(int axis, const VectorXd& dq) const;  ///< axes: those of dry friction, then those with memory
   int velocity_sign(int axis) const;  ///< -1, 0 or 1
-  double time_to_rest(int axis) const;
-  int first_reversal() const;
-  bool locate(const VectorRef& tau, double* h);
-  StepStatus substep(const VectorRef& tau, double* h, double smallest);
-  StepStatus step_failure(bool finite, bool sound);
+  double time_to_rest(int axis) const;  ///< speed, not a time, [rad/s] or [m/s], below which the axis counts as at rest
+  int first_reversal() const;  ///< axis as in velocity(); -1: none
+  bool locate(const VectorRef& tau, double* h);  ///< shortens h up to the first reversal; false: mass matrix not positive definite
+  StepStatus substep(const VectorRef& tau, double* h, double smallest);  ///< at most *h [s]; sets *h to its length, and `here` to its end
+  StepStatus step_failure(bool finite, bool sound);  ///< reason why a substep was refused; sets `failed`
   void commit();  ///< makes `there` the present instant; axes that came to rest stick
   void add_up_effects();  ///< torques of all effects at the present instant
 

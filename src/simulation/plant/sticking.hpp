@@ -53,10 +53,10 @@ class Sticking {
  private:
   void collect();  // computes rest_ and its derived members
   bool stays_at_rest(const double* held);  ///< true if friction holds all axes at rest; stores the forces of friction
-  void release(const double* L, double* y);
+  void release(const double* L, double* y);  ///< lets axes slide that cannot be held, and subtracts their forces from y
   // Computes shares_: the map from a force within the span to the smallest forces of the axes.
   void invert();
-  void solve_box(const double* y_free);
+  void solve_box(const double* y_free);  ///< finds lambda_ of rest_ within bounds_
   void compute_basis();  // basis_ of the axes at rest
   int axes() const { return static_cast<int>(direction_.size()); }
   const double* axis(int k) const { return axes_.data() + k * n_; }
