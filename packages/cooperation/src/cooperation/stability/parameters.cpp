@@ -19,6 +19,7 @@ struct Access {
   bool above_zero;
 };
 
+// Getters below give the value of the first member, else of the first wall, else 0; setters change all of them.
 template <typename Change>
 void every_member(Scenario& s, const Change& change) {
   for (ScenarioMember& m : s.members) change(m);
@@ -131,6 +132,7 @@ const Access& accessor(const std::string& name) {
                           ", expected one of: ", listed(names), "."));
 }
 
+// Throws InvalidInput, with the whole range as given, if the word is no finite number.
 double read_number(const std::string& word, const std::string& whole) {
   const std::optional<double> x = number_in(word);
   require(x && std::isfinite(*x), "found '", whole,
