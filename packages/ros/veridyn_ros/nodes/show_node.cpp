@@ -122,6 +122,7 @@ class Show {
     }
   }
 
+  // Pose from a position [m] and angles [rad]: R = Rz Ry Rx.
   static Isometry3d placed(const Vector3d& position, const Vector3d& turn) {
     Isometry3d out = Isometry3d::Identity();
     out.translation() = position;
