@@ -154,6 +154,7 @@ class Cooperation {
     return read_scenario(file);
   }
 
+  // Queues a turn [rad] if the angular part is not zero, else a jog [m/s].
   void move(const geometry_msgs::Twist& t) {
     std::ostringstream line;
     const geometry_msgs::Vector3 &v = t.linear, &w = t.angular;

@@ -19,7 +19,7 @@ struct Access {
   bool above_zero;
 };
 
-// Getters below give the value of the first member, else of the first wall, else 0; setters change all of them.
+// Getters of the object give the value of its first member, else of the first wall; setters change all of them.
 template <typename Change>
 void every_member(Scenario& s, const Change& change) {
   for (ScenarioMember& m : s.members) change(m);
@@ -44,6 +44,7 @@ template <double ScenarioControl::*field>
 void set_control(Scenario& s, double x) {
   s.control.*field = x;
 }
+// The mean of the three axes.
 template <Eigen::Vector3d ScenarioControl::*field>
 double get_axes(const Scenario& s) {
   return (s.control.*field).mean();

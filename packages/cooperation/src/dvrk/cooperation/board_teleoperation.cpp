@@ -188,6 +188,7 @@ class TeleoperationLoop : private BoardLoop {
     if (joined_) activate_fault();
   }
 
+  // Stores this cycle as the next row, see TeleoperationRun::rows.
   void record() noexcept {
     if (row_ >= rows_.rows()) return;
     auto row = rows_.row(row_++);

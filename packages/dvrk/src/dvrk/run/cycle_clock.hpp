@@ -13,6 +13,7 @@ namespace veridyn::dvrk {
 /// reading, read(), computing and writing, end().
 class CycleClock {
  public:
+  /// @param rate  [Hz] of the cycles.
   CycleClock(DatagramLink& link, double rate) : link_(link), period_(1.0 / rate) {
     restart_count();
   }
