@@ -19,6 +19,7 @@ constexpr double kMostBehind = 0.02;   // [s] largest delay that is made up for 
 constexpr double kBrake = 2.0 * M_PI * 20.0;  // [rad/s] bandwidth of the brakes that hold an arm
 constexpr double kSlip = 0.05;         // [rad], [m] by which an encoder jumps
 
+// Boards of the robot in ascending ids.
 std::vector<BoardSetup> setups(const RobotConfig& robot, const BoardCooperationOptions& options) {
   std::vector<BoardSetup> out;
   for (const int id : boards_of(robot)) {

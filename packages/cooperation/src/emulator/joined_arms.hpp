@@ -89,7 +89,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     const VectorXd& dq() const override { return world_.dq(arm_); }
     std::optional<int> failed_joint() const override { return std::nullopt; }
     const std::vector<std::string>& left_out() const override { return none_; }
-    bool driven() const { return driven_; }
+    bool driven() const { return driven_; }  ///< false: the arm is held by its brakes
     /// Called after the world has made a step of `seconds`.
     void moved(double seconds) noexcept {
       if (elapsed_ > 0.0) {
@@ -110,11 +110,11 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     std::vector<std::string> none_;
   };
 
-  void advance(double seconds);
-  void apply_faults();
-  void show();
-  bool drives_current(std::size_t arm);
-  void move_hand();
+  void advance(double seconds);  ///< one step of the world, with motors, brakes and hand
+  void apply_faults();  ///< activates requested faults in the emulators, once each
+  void show();  ///< calls watcher_ with the present state
+  bool drives_current(std::size_t arm);  ///< true if one of its amplifiers is on
+  void move_hand();  ///< adds the torques of the hand at its present place to tau_
   bool has(std::size_t arm, EmulatedFault::Kind kind) const {
     return (faults_[arm].load() & bit_of(kind)) != 0;
   }

@@ -43,6 +43,7 @@ EventKind reply(const char* name, ReplyFault fault, const char* help) {
           }};
 }
 
+// Removes all faults of boards, encoders, replies and supply.
 void repair(BoardEmulator& e) {
   e.faults = EmulatorFaults();
   e.chain.emergency_stop = false;
@@ -171,6 +172,7 @@ std::string form_of(const EventKind& kind) {
   return form + "@S";
 }
 
+// Throws InvalidInput.
 [[noreturn]] void refuse(const std::string& words, const std::string& expected) {
   throw InvalidInput("found '" + words + "', expected " + expected);
 }
@@ -182,6 +184,7 @@ bool number(const std::string& text, double& value) {
          used == static_cast<int>(text.size()) && std::isfinite(value);
 }
 
+// Parses the whole of `text` as an integer of at most 1e6 in magnitude; false: it is none.
 bool whole_number(const std::string& text, int& value) {
   double real = 0.0;
   if (!number(text, real) || real != std::floor(real) || std::abs(real) > 1e6) return false;
@@ -189,6 +192,7 @@ bool whole_number(const std::string& text, int& value) {
   return true;
 }
 
+// Index of the board with this id. @throws InvalidInput  it is not emulated.
 int place_of(BoardEmulator& emulator, int id) {
   for (int b = 0; b < emulator.boards(); ++b) {
     if (emulator.board(b).setup().id == id) return b;
@@ -196,6 +200,7 @@ int place_of(BoardEmulator& emulator, int id) {
   throw InvalidInput(text("board ", id, " is not emulated"));
 }
 
+// Parses BOARD or BOARD.AXIS and the value of an event of this kind. @throws InvalidInput  another form.
 Target target_of(const std::string& words, const std::string& where, const std::string& value,
                  const EventKind& kind, BoardEmulator& emulator) {
   Target at;
@@ -215,6 +220,7 @@ Target target_of(const std::string& words, const std::string& where, const std::
   return at;
 }
 
+// Parses "NAME[:BOARD[.AXIS]][=VALUE]@SECONDS". @throws InvalidInput  another form.
 BoardEvent event_of(const std::string& words, BoardEmulator& emulator) {
   BoardEvent event;
   const auto at = words.rfind('@');

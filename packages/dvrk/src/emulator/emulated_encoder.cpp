@@ -12,6 +12,7 @@ constexpr std::uint32_t kUpBit = 1U << 30;
 constexpr std::int64_t kHalf = 0x800000;
 constexpr double kRev6Ratio = 16.0;  // 49.152 MHz to 3.072 MHz
 
+// Rounded to whole ticks, at most kMost.
 std::uint32_t saturated(double ticks) {
   return ticks >= static_cast<double>(kMost) ? kMost : static_cast<std::uint32_t>(ticks + 0.5);
 }
@@ -23,6 +24,7 @@ std::uint32_t kind_up(std::int64_t count) {
   return kKinds[((count % 4) + 4) % 4];
 }
 
+// Kind of the same edge when counting down.
 std::uint32_t reversed(std::uint32_t kind) {
   return kind >= 4 ? kind >> 2 : kind << 2;
 }

@@ -23,7 +23,7 @@ class EmulatedLink final : public DatagramLink {
 
   void advance(double seconds) noexcept;
 
-  /// Queues an unsolicited datagram.
+  /// Queues an unsolicited datagram, which arrives now; it is dropped if the queue is full.
   void push(ByteView datagram, bool known_source = true) noexcept;
 
   bool cut = false;           ///< sends fail
@@ -37,8 +37,8 @@ class EmulatedLink final : public DatagramLink {
     bool known = true;
   };
 
-  Waiting* oldest() noexcept;
-  Waiting* free_slot() noexcept;
+  Waiting* oldest() noexcept;  ///< the datagram that arrives first; nullptr: none
+  Waiting* free_slot() noexcept;  ///< nullptr: the queue is full
 
   BoardEmulator& emulator_;
   Ticks ticks_ = 0;

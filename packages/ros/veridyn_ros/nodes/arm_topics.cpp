@@ -24,6 +24,7 @@ Command command(const Event& event, Kind kind, double age) {
   return c;
 }
 
+// p: position [m]; q: quaternion x, y, z, w.
 void fill(geometry_msgs::Pose& pose, const double* p, const double* q) {
   pose.position.x = p[0];
   pose.position.y = p[1];

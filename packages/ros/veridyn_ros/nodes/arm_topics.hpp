@@ -32,12 +32,13 @@ class ArmTopics {
  private:
   template <typename Message>
   using Event = ros::MessageEvent<Message const>;
+  /// These convert a message to a Command for the loop, without a change of units or axes.
   void joints(const Event<sensor_msgs::JointState>& event, Command::Kind kind);
   void pose(const Event<geometry_msgs::PoseStamped>& event, Command::Kind kind);
   void wrench(const geometry_msgs::Wrench& w, Command c);
   void twist(const geometry_msgs::Twist& t, Command c);
   void state_command(const Event<crtk_msgs::StringStamped>& event);
-  void push(const Command& c);
+  void push(const Command& c);  ///< dropped with a warning if the queue is full
   template <typename Message>
   ros::Publisher advertise(const std::string& name, bool latched = false) {
     return space_.advertise<Message>(name, 10, latched);
@@ -48,7 +49,7 @@ class ArmTopics {
         name, 10, boost::function<void(const Event<Message>&)>(take), ros::VoidConstPtr(),
         ros::TransportHints().tcpNoDelay()));
   }
-  void warn(const std::string& text);
+  void warn(const std::string& text);  ///< on the topic `warning` and in the log
 
   ros::NodeHandle space_;
   std::string base_;

@@ -130,6 +130,7 @@ class Boards {
     }
   }
 
+  // One cycle of an arm: reads, switches power as the controller requires, writes torques and state.
   void step(Arm& arm) noexcept {
     BoardArm& boards = *arm.boards;
     const bool valid = boards.read();
@@ -167,6 +168,7 @@ class Boards {
     arm.measured.write(s);
   }
 
+  // False: no new positions.
   bool publish_state(Arm& arm) {
     BoardWords words;
     if (arm.words.read(words) && words.state != arm.told_state) {

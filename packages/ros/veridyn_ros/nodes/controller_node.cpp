@@ -104,6 +104,7 @@ class Controller {
     return plant == "inside";
   }
 
+  // Passes positions to the loop; drops a message of another size. No efforts: power is off.
   static void receive(Arm& arm, const sensor_msgs::JointState& m) {
     const auto n = static_cast<std::size_t>(arm.q.size());
     if (m.position.size() != n || m.velocity.size() != n) return;
@@ -137,6 +138,7 @@ class Controller {
     }
   }
 
+  // One cycle of an arm, dt [s] after the last one: commands, torques, and the simulated arm if it is inside.
   void step(Arm& arm, double dt) noexcept {
     double age = 0.0;
     if (!inside_) {
@@ -190,6 +192,7 @@ class Controller {
     }
   }
 
+  // Publishes the loop's timing on ~loop, see LoopFigures.
   void publish_state() {
     if (!loop_.read(told_)) return;
     const LoopFigures& f = told_;

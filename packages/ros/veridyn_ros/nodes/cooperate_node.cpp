@@ -65,6 +65,7 @@ class TopicLines final : public LineSource {
   std::deque<std::string> script_;
 };
 
+// The command as a line of parse_live_command().
 std::string line_of(const ScenarioCommand& c, const Scenario& scenario) {
   using Kind = ScenarioCommand::Kind;
   std::ostringstream out;
@@ -153,6 +154,7 @@ class Cooperation {
     return read_scenario(file);
   }
 
+  // Queues a turn [rad] if the angular part is not zero, else a jog [m/s].
   void move(const geometry_msgs::Twist& t) {
     std::ostringstream line;
     const geometry_msgs::Vector3 &v = t.linear, &w = t.angular;
@@ -163,6 +165,7 @@ class Cooperation {
     lines_.push(line.str());
   }
 
+  // Adds `more` [N] to the reference force of the member.
   void press(double more) {
     if (!std::isfinite(more)) {
       ROS_WARN("cmd_force: found a number that is not finite");

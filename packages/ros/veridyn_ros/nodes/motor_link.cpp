@@ -13,6 +13,7 @@ namespace {
 constexpr double kShortest = 1e-6;  // [s] lower end of the histogram
 constexpr double kStep = 1.05;
 
+// [s] processor time of the whole process.
 double processor_seconds() {
   rusage used{};
   ::getrusage(RUSAGE_SELF, &used);

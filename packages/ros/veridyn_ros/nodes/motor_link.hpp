@@ -29,7 +29,7 @@ double steady_now() noexcept;
 /// Waits until the next cycle; cycles that were missed are skipped.
 class Cycle {
  public:
-  explicit Cycle(double period);
+  explicit Cycle(double period);  ///< [s]
   /// @returns [s] since the last call.
   double wait() noexcept;
   double latest() const { return latest_; }  ///< [s] delay of the last cycle's start
@@ -44,7 +44,7 @@ class TimeHistogram {
   void add_time(double seconds) noexcept;
   /// [s] quantile of the times, to 5 %; 0 if there are none.
   double quantile(double share) const noexcept;
-  double worst() const noexcept { return worst_; }
+  double worst() const noexcept { return worst_; }  ///< [s] largest time
 
  private:
   std::array<std::uint32_t, 332> counts_{};  // one count per step of 5 % from 1 us to 10 s

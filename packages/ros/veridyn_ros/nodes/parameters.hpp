@@ -23,7 +23,7 @@ struct ArmParameters {
 /// parameter.
 std::vector<ArmParameters> read_arms(const ros::NodeHandle& own);
 
-/// Runs `main` of a node: an error is reported in one line, with the tool's exit status 3.
+/// Runs `main` of a node. @returns its exit status: 0, or 3 after an error, which is reported in one line.
 int run_node(int argc, char** argv, const std::string& name, void (*run)(ros::NodeHandle& own));
 
 }  // namespace veridyn_ros

@@ -122,6 +122,7 @@ class Show {
     }
   }
 
+  // Pose from a position [m] and angles [rad]: R = Rz Ry Rx.
   static Isometry3d placed(const Vector3d& position, const Vector3d& turn) {
     Isometry3d out = Isometry3d::Identity();
     out.translation() = position;
@@ -179,6 +180,7 @@ class Show {
     transforms_.publish(out);
   }
 
+  // Appends an arrow from a point [m] for a force [N], both in the world; a small force removes the arrow.
   void arrow(visualization_msgs::MarkerArray& out, const std::string& name, const Vector3d& from, const Vector3d& force) const {
     Marker m = marker(name + "/force", 0, Marker::ARROW, 0.85F, 0.1F, 0.1F);
     if (force.norm() < kLeastForce || !force.allFinite()) {

@@ -32,7 +32,7 @@ struct Arm {
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   }
 
-  // In CRTK a stamp of zero marks invalid data.
+  // Adds a message to the watch and publishes its events. In CRTK a stamp of zero marks invalid data.
   void receive(const sensor_msgs::JointState& m) {
     const auto n = static_cast<std::size_t>(model.joints());
     if (m.header.stamp.isZero()) return;

@@ -85,7 +85,8 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
 
 /// One line that compares a wrong constant found from torques with the estimate from the poses: they agree,
 /// the poses show another constant, or they show no error.
-/// @param frame, name, found  of the constant as `diagnose` reports it: "theta", "ratio of pitch".
+/// @param frame, name, found, low, high  of the constant as `diagnose` reports it ("theta", "ratio of pitch"), in
+/// the unit of its LinkConstant, with its interval.
 std::string compare_wrong_constant(const LinksCalibration& links, const std::string& frame,
                                    const std::string& name, double found, double low, double high);
 

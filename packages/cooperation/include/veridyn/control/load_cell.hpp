@@ -60,7 +60,7 @@ class LoadCellDecoder {
   long rejected_readings() const { return refused_; }  ///< lines or frames that were no readings
 
  private:
-  bool decode_text(std::uint8_t byte) noexcept;
+  bool decode_text(std::uint8_t byte) noexcept;  ///< both as add_byte()
   bool decode_binary(std::uint8_t byte) noexcept;
 
   LoadCellFormat format_;
@@ -82,7 +82,7 @@ class ForceSource {
   /// Takes the latest reading that has arrived, without waiting. @returns the number of readings since the
   /// previous call; raw() is the latest.
   virtual int poll() noexcept = 0;
-  virtual double raw() const noexcept = 0;
+  virtual double raw() const noexcept = 0;  ///< latest reading, before LoadCellCalibration
   /// [s] between the arrival of the latest reading and its poll(), as far as the system knows.
   virtual double queue_delay() const noexcept { return 0.0; }
   virtual bool connected() const noexcept { return true; }

@@ -45,7 +45,7 @@ class LineSource {
   virtual ~LineSource() = default;
   /// True if a whole line has arrived; `line` is set to it.
   virtual bool next(std::string& line) = 0;
-  virtual bool closed() const = 0;
+  virtual bool closed() const = 0;  ///< no further line will come
   /// True for a file, which does not grow: all lines, stops included, are executed in order.
   virtual bool is_script() const { return false; }
 };
@@ -74,9 +74,9 @@ struct LiveArm {
   VectorXd tau;    ///< [N m], [N] during the previous period
 };
 
-/// Callbacks of a live run, called every LiveOptions::tell seconds and after each command.
+/// Callbacks of a live run; `state` and `arms` are called every LiveOptions::tell seconds and at the end.
 struct LiveReport {
-  std::function<void(const std::string&)> state;  ///< "t=1.200 state=tracks tip=... force=..."
+  std::function<void(const std::string&)> state;  ///< 't=1.200 state="tracks" ARM=x,y,z MEMBER=force', [m] in the world, [N]
   std::function<void(const std::string&)> refused;  ///< receives the reason of each refusal
   /// Time [s] and arms, in the scenario's order, together with `state`.
   std::function<void(double, const std::vector<LiveArm>&)> arms{};

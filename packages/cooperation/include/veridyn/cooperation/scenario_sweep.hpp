@@ -37,7 +37,7 @@ struct ScenarioSweepResult {
   const SweepPoint& at(std::size_t stiffness, std::size_t delay, std::size_t rate) const;
   /// [s] The largest delay of the grid up to which all delays are stable, at these indices from 0; -1: none.
   double stable_delay(std::size_t stiffness, std::size_t rate) const;
-  /// [J] largest generated energy at any stable point.
+  /// [J] largest generated energy at any stable point; 0: none is stable.
   double largest_generated_where_stable() const;
   std::string report() const;
 };

@@ -77,7 +77,7 @@ class World {
 
   /// Force of a body's grasp on the arm that holds it, in the world [N].
   Eigen::Vector3d grasp_force(int body, int grasp) const;
-  HeldBody body(int index) const;  ///< present pose and velocity
+  HeldBody body(int index) const;  ///< as given, with its present pose
   Eigen::Vector3d body_velocity(int index) const;  ///< [m/s] velocity of its centre in the world
   Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] angular velocity in the world
 

@@ -12,7 +12,7 @@ constexpr int kFactorHalvings = 12;  // halvings below the first factor
 constexpr int kFrequencies = 160;
 constexpr int kMostLifted = 24;  // largest number of cycles whose inputs form one dense matrix
 
-// Spectral radius of a sample: a corner of the parameters' box, chosen by its seed.
+// Spectral radius per cycle at a corner of the parameters' box, chosen by its seed; `factor` scales the box.
 double sampled_spectral_radius(Scenario scenario, double factor, unsigned seed) {
   scenario.seed = seed;
   scenario.model_error *= factor;

@@ -223,7 +223,7 @@ std::vector<CycleRow> ClosedLoop::rows() const {
   return out;
 }
 
-// Replaces the previous reading by the latest one, and shifts the delay line.
+// Sets `fresh` if a sample arrives in cycle k; it then replaces the held reading of a slow sensor.
 void ClosedLoop::update_reading(long k, const Element& e, const MatrixXd& tension, MatrixXd& X,
                       bool& fresh) const {
   fresh = takes_sample(e, k - e.delay);

@@ -62,17 +62,17 @@ class ClosedLoop {
   /// The hyperperiod in rows of equal cycles; short rows are given cycle by cycle.
   std::vector<CycleRow> rows() const;
 
-  /// Every column of X (states x any) through cycle k; the wanted forces are those of the settings.
+  /// Advances every column of X (states x any) by cycle k; the wanted forces are those of the settings.
   void advance(long k, MatrixXd& X) const;
 
   /// State transition of a whole hyperperiod, (states x states); wanted forces constant.
   MatrixXd map() const;
 
-  /// Effect of a constant joint torque on positions and velocities in one cycle.
+  /// (2 joints x joints) Effect of a constant joint torque on positions and velocities in one cycle.
   const MatrixXd& torque_input() const { return input_; }
   int joints() const { return joints_; }
 
-  int correction_row(int element) const { return *element_[element].x_f; }
+  int correction_row(int element) const { return *element_[element].x_f; }  ///< row of x_f in the state; only of a member
   /// (states): row that gives the true force of an element.
   VectorXd tension_row(int element) const;
   /// (states): row that gives the reading of an element's force law in cycle k, before the cycle; without
@@ -104,9 +104,9 @@ class ClosedLoop {
     double smoothing = 1.0;
   };
 
-  void assign_states(const LinearPoint& point, const Scenario& scenario);
-  void prepare_arm(int k, const Scenario& scenario);
-  void prepare_element(int k, const Scenario& scenario);
+  void assign_states(const LinearPoint& point, const Scenario& scenario);  ///< sets the rows of all parts in the state
+  void prepare_arm(int k, const Scenario& scenario);  ///< gains of its position loop or impedance
+  void prepare_element(int k, const Scenario& scenario);  ///< its spring, law and shares of the arms
   // Linearises the arms with their attached elements and sets transition_ and input_ by an exact discretisation.
   void prepare_plant();
   MatrixXd line_map(int k) const;  // (3 x joints): end minus start, true
@@ -136,6 +136,7 @@ MatrixXd power(MatrixXd A, int n);
 
 /// Largest modulus of the eigenvalues of a square matrix; infinite where it is not finite.
 double spectral_radius(const MatrixXd& A);
+/// Real and imaginary parts; empty if A is not finite.
 std::vector<std::pair<double, double>> eigenvalues(const MatrixXd& A);
 
 /// exp(A t) with its integral's effect on a constant input B: both of one exponential.

@@ -11,7 +11,7 @@ constexpr double kLongest = 12.0;  // [s] simulated duration of the iteration
 constexpr double kSettling = 1.0;  // [s] duration from zero force until the law acts
 constexpr double kLast = 1.0;      // [s] final interval, in which corrections show whether the loop oscillates
 
-// Smallest integral gain at which the loop oscillates.
+// Smallest integral gain at which the loop oscillates [m/(N s)]; 10 if there is none below.
 double critical_gain(const LinearPoint& point, const Scenario& scenario) {
   const auto radius = [&](double gain) {
     LoopSettings s;

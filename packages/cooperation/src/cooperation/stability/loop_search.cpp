@@ -56,6 +56,7 @@ class TurnedLoop {
     }
   }
 
+  // Per cycle, with readings turned by this phase [rad].
   double spectral_radius_at(double phase) const {
     const Eigen::Index n = without_.front().rows();
     MatrixXd product = MatrixXd::Identity(2 * n, 2 * n);

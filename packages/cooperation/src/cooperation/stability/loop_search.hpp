@@ -17,14 +17,14 @@ constexpr double kUnstable = 1.0 + 1e-9;
 /// [N/m] ends of the search over stiffnesses.
 constexpr double kSoftest = 1.0, kStiffest = 1e7;
 
-/// Value at which f changes from stable (at most kUnstable) to unstable, searched from `begin` to
+/// Value at which `radius` changes from stable (at most kUnstable) to unstable, searched from `begin` to
 /// `end` by equal ratios, then by bisection; `end` if there is none.
 double first_crossing(const std::function<double(double)>& radius, double begin, double end, int steps);
 
 /// True if the loop is stable for phase lags of the readings up to this one [rad], in steps of 5 degrees or less.
 bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, double phase);
 
-/// Largest amplification over frequency from a missing torque, M^-1/2 w, to M^1/2 ddq.
+/// Upper bound of the amplification from a missing torque, M^-1/2 w, to M^1/2 ddq, on a grid of frequencies.
 double torque_error_gain(const LinearPoint& point, const Scenario& scenario, int frequencies);
 
 /// Margins of gain, phase and delay; all 0 if the loop is unstable, infinite without elements.

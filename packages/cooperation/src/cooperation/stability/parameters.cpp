@@ -19,6 +19,7 @@ struct Access {
   bool above_zero;
 };
 
+// Getters of the object give the value of its first member, else of the first wall; setters change all of them.
 template <typename Change>
 void every_member(Scenario& s, const Change& change) {
   for (ScenarioMember& m : s.members) change(m);
@@ -43,6 +44,7 @@ template <double ScenarioControl::*field>
 void set_control(Scenario& s, double x) {
   s.control.*field = x;
 }
+// The mean of the three axes.
 template <Eigen::Vector3d ScenarioControl::*field>
 double get_axes(const Scenario& s) {
   return (s.control.*field).mean();
@@ -131,6 +133,7 @@ const Access& accessor(const std::string& name) {
                           ", expected one of: ", listed(names), "."));
 }
 
+// Throws InvalidInput, with the whole range as given, if the word is no finite number.
 double read_number(const std::string& word, const std::string& whole) {
   const std::optional<double> x = number_in(word);
   require(x && std::isfinite(*x), "found '", whole,

@@ -9,13 +9,14 @@ namespace {
 
 constexpr double kGainReserve = 1.5;  // factor by which readings may also grow
 
+// The point with the largest spectral radius.
 const RestPoint& least_stable_point(const std::vector<RestPoint>& points, const Scenario& scenario) {
   return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
     return loop_radius(a.loop, scenario) < loop_radius(b.loop, scenario);
   });
 }
 
-// A law of the form of tuned_force_law() with given crossover and damping.
+// A law of the form of tuned_force_law() with given crossover [rad/s] and dampings [N s/m].
 ForceLaw law_of(const ScenarioMember& m, double crossover, double member_damping,
                 double slave_stiffness, double slave_damping) {
   ForceLaw law = tuned_force_law(m.stiffness, slave_stiffness, slave_damping);

@@ -80,7 +80,7 @@ class RestPointSearch {
   }
 
  private:
-  // Advances ideal arms that solve_joints exactly; every sensor reads the wanted force.
+  // Advances ideal arms that follow exactly by one period; every sensor reads the wanted force.
   void advance_arms() {
     const std::vector<TipTarget>& targets = control_->update(*input_);
     for (size_t k = 0; k < targets.size(); ++k) {
@@ -92,6 +92,7 @@ class RestPointSearch {
       input_->force[k] = {control_->wanted_force(static_cast<int>(k)), 0.0, step_};
   }
 
+  // Member k between the present tips; without force if it is released.
   LinearElement member(size_t k) const {
     const ScenarioMember& m = scenario_.members[k];
     const Vector3d line = input_->position[m.to] -
@@ -106,6 +107,7 @@ class RestPointSearch {
     return e;
   }
 
+  // Appends the equilibrium at the present tips, linearised.
   void add(const std::string& phase) {
     RestPoint point;
     point.phase = phase;

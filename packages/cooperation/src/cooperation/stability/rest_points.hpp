@@ -14,8 +14,8 @@ struct RestPoint {
   LinearPoint loop;
 };
 
-/// The start, and the middle and the end of every phase: positions of arms that follow exactly,
-/// with the wanted forces. Released members are omitted.
+/// The middle and the end of every phase: positions of arms that follow exactly,
+/// with the wanted forces. Released members are not attached.
 /// @throws InvalidInput  as scenario_models().
 std::vector<RestPoint> rest_points(const Scenario& scenario);
 

@@ -17,6 +17,7 @@ struct Fraction {
   long above = 1, below = 1;
 };
 
+// The nearest ratio with a short pattern, see sample_pattern(); throws InvalidInput if it is too small.
 Fraction nearby_fraction(double ratio) {
   if (ratio >= 1.0) return {};
   if (ratio * kOwnPattern < 1.0) {

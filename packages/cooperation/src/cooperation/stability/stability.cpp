@@ -94,7 +94,7 @@ bool oscillates_in_simulation(Scenario scenario) {
   return false;
 }
 
-// Dry friction stabilises more than the linear loop predicts: increases the stiffness in steps, then bisects.
+// Sets largest_stable_stiffness: dry friction stabilises more than the linear loop. Stiffness in steps, then bisection.
 void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
   const bool wanted = !scenario.members.empty() && scenario.bodies.empty() &&
                       out.linear_stable_stiffness > 0.0 && out.linear_stable_stiffness < kStiffest;
@@ -121,6 +121,7 @@ void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
   out.largest_stable_stiffness = stable;
 }
 
+// Sensors whose rate differs in the analysis.
 std::vector<ReplacedRate> replaced_rates(const Scenario& scenario) {
   const double rate = scenario.control.rate;
   std::vector<ReplacedRate> sensors;
@@ -138,6 +139,7 @@ std::vector<ReplacedRate> replaced_rates(const Scenario& scenario) {
   return out;
 }
 
+// The point with the largest spectral radius of the linear loop.
 const RestPoint& worst_of(const std::vector<RestPoint>& points, const Scenario& scenario) {
   const RestPoint* worst = &points.front();
   double largest = -1.0;

@@ -140,6 +140,7 @@ class BoardRun : private BoardLoop {
     return static_cast<Eigen::Index>(std::lround(phase.duration * scenario_.control.rate));
   }
 
+  // Reads all sensors; sets the force of each tip on the object, in the world, and the age of its oldest reading [s].
   void read_forces() noexcept {
     for (Vector3d& f : exerted_) f.setZero();
     std::fill(ages_.begin(), ages_.end(), 0.0);
@@ -186,12 +187,13 @@ class BoardRun : private BoardLoop {
     return force_of_channels(w, channels, sides_[w.arm]->loop().rotation());
   }
 
-  // Force of a member or of a wall's channel in the emulated world, by reading.
+  // [N] of a member or of a wall's channel in the emulated world, by index of the reading.
   double true_force(size_t k) const noexcept {
     if (k < scenario_.members.size()) return joined_->tension(static_cast<int>(k));
     return joined_->true_wall_force(wall_channel(k).wall, wall_channel(k).channel);
   }
 
+  // Tells the controller which arms are faulty, and which are no longer located.
   void watch_arms() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
       if (collect_faults(k)) input_->healthy[k] = 0;
@@ -237,6 +239,7 @@ class BoardRun : private BoardLoop {
     return target.velocity.norm() < kStands && target.relief.velocity.norm() < kStands;
   }
 
+  // [N] of all sensors; the true force with emulated boards.
   double largest_measured_force() const noexcept {
     double largest = 0.0;
     for (size_t k = 0; k < readings_.size(); ++k)

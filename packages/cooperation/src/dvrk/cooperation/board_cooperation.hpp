@@ -57,7 +57,7 @@ struct EmulatedInstant {
   double force = 0.0;  ///< [N] largest force of any member or wall
 };
 
-/// "silent:slave@2.5", or amplifier, power, encoder, jump, limp.
+/// "silent:slave@2.5", with any EmulatedFault::Kind: silent, amplifier, ..., stuck.
 /// @throws InvalidInput  another form, an arm that is not there, a time that is not above zero.
 EmulatedFault parse_emulated_fault(const std::string& text, const Scenario& scenario);
 

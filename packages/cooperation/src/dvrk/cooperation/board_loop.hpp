@@ -50,7 +50,7 @@ class BoardLoop {
 
   /// The arms and their joints as measured by the boards, for a plan before power-up.
   std::vector<PlannedArm> planned_arms() const;
-  std::vector<VectorXd> initial_state() const;
+  std::vector<VectorXd> initial_state() const;  ///< (n) of each arm; throws InvalidInput without positions
   /// @throws InvalidInput  `why` is not empty: phase p, which begins at that time [s], cannot be
   ///                       carried out.
   void require_feasible(std::size_t p, double begins, const std::string& why) const;
@@ -58,10 +58,12 @@ class BoardLoop {
   /// Reads the boards for a while before power-up.
   void read_before_power();
   /// Switches power on; call it after read_before_power(). Sensors are read meanwhile, without a check of their values.
+  /// @returns false: cause() has the reason; true: the loop's time restarts at zero.
   bool power_up(std::vector<Sensor>& sensors);
-  /// Switches power off everywhere, and returns the boards' confirmation.
+  /// Switches power off everywhere; sets not_off_. @returns the worst state of all boards.
   OffState power_down();
-  void end_serving();
+  void end_serving();  ///< ends the thread of emulated boards
+  /// [s] by the first arm's link.
   double clock() { return sides_.front()->link().now(); }
 
   // Reads all arms, calls `work`, writes all arms. The first arm's link provides the time.
@@ -96,9 +98,9 @@ class BoardLoop {
     for (const double until = time_ + seconds; time_ < until;) cycle(work);
   }
 
-  // The first cause ends the run; later_faults() has the others.
+  // Stores the first cause (fixed text), which ends the run. @returns false.
   bool fail(const char* why, std::optional<int> arm, BoardEnd end = BoardEnd::kFault) noexcept;
-  /// The cause in words, with the arm concerned.
+  /// The cause in words, with the arm concerned; empty: none.
   std::string cause() const;
   /// Adds the new faults of arm k to the report; the first of all ends the run.
   /// @returns true if there was one.
@@ -109,7 +111,7 @@ class BoardLoop {
   std::vector<ArmAfterFault> after_fault() const;
   std::vector<LaterFault> later_faults() const;
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }
-  void activate_fault() noexcept;
+  void activate_fault() noexcept;  ///< activates the emulated faults that are due
 
   const Scenario& scenario_;
   BoardCooperationOptions options_;
@@ -130,7 +132,7 @@ class BoardLoop {
   std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:
-  void join(const std::vector<CooperatingArm>& arms);
+  void join(const std::vector<CooperatingArm>& arms);  ///< creates emulated boards and begins to serve them
   std::unique_ptr<DatagramLink> link_to(const CooperatingArm& arm, std::size_t k);
 
   const std::atomic<bool>& stop_;
@@ -150,7 +152,7 @@ class BoardLoop {
     std::optional<int> joint = {};
     double at = 0.0;
   };
-  std::string words(const char* what, int arm, std::optional<int> joint) const;
+  std::string words(const char* what, int arm, std::optional<int> joint) const;  ///< "arm NAME: WHAT (joint NAME)"
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
   bool neighbours_explain_force(std::size_t k) const noexcept;
   std::vector<Watched> watched_;

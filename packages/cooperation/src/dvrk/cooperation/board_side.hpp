@@ -25,15 +25,16 @@ class BoardSide {
   /// Starts control at the arm's present position. @throws InvalidInput  its boards never answered.
   void begin(const Scenario& scenario, std::size_t index);
 
-  /// Reads its boards, unless they are unresponsive.
+  /// Reads its boards at `now` [s], unless they are unresponsive; see valid().
   void read(double now) noexcept;
   void write() noexcept { session_.commit(); }
 
   /// Runs the arm's loop and supervisor for this cycle; only while its boards are ready and answer.
-  /// @param exerted  force of the tip on the object as measured [N]. @param age  [s] of it.
+  /// @param exerted  force of the tip on the object as measured [N], in the world. @param age  [s] of it.
+  /// @param dt  [s] period of the cycle.
   void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
 
-  /// The same with given torques, (joints).
+  /// The supervisor alone, with given true torques (joints) [N m], [N].
   void drive(const VectorXd& tau, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
 
   /// From now on act() compares the measured force with the estimate from the motors' torques.
@@ -49,7 +50,7 @@ class BoardSide {
     /// The measured force must not be used: the torques of the motors do not explain it, or it is too old.
     bool unexplained = false, old_force = false;
   };
-  /// @param largest_age  [s] without a valid read.
+  /// The next fault that was not yet reported. @param largest_age  [s] without a valid read.
   News poll_faults(double largest_age) noexcept;
 
   /// Difference between the measured force and that explained by the motors' torques [N]; NaN if they are not

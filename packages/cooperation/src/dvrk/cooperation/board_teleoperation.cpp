@@ -23,6 +23,7 @@ class LeaderLoop {
   LeaderLoop(const Model& model, const Tip& tip, const VectorXd& q)
       : state_(model, tip), gravity_(model), rest_(q), tau_(VectorXd::Zero(q.size())) {}
 
+  // Torques (n) with `force` on the tip [N], in the base.
   const VectorXd& torque(const VectorXd& q, const VectorXd& dq, const Vector3d& force) noexcept {
     state_.update(q, dq);
     tau_ = gravity_.update(q);
@@ -168,6 +169,7 @@ class TeleoperationLoop : private BoardLoop {
     return -force_.force * scenario_.walls.front().normal;
   }
 
+  // One cycle of both arms, under power.
   void work() noexcept {
     if (joined_) {
       hand_->advance(period_);
@@ -186,6 +188,7 @@ class TeleoperationLoop : private BoardLoop {
     if (joined_) activate_fault();
   }
 
+  // Stores this cycle as the next row, see TeleoperationRun::rows.
   void record() noexcept {
     if (row_ >= rows_.rows()) return;
     auto row = rows_.row(row_++);
@@ -205,6 +208,7 @@ class TeleoperationLoop : private BoardLoop {
     out_.latency = latency();
   }
 
+  // Appends the results of phase p; zeros if it has no rows.
   void phase_figures(std::size_t p) {
     const auto [first, end] = spans_[p];
     const Eigen::Index count = end - first;
@@ -225,7 +229,7 @@ class TeleoperationLoop : private BoardLoop {
     out_.force_hand.push_back(rows_.block(end - last, 11, last, 3).colwise().mean().norm());
   }
 
-  // The delay at which scaled leader and follower differ least, to a tenth of a cycle.
+  // [s] The delay at which scaled leader and follower differ least, to a tenth of a cycle; nullopt: no free phase.
   std::optional<double> latency() const {
     const TeleoperationOptions& o = wanted_.options;
     const double most = kLargestLatency / period_;  // [cycles]

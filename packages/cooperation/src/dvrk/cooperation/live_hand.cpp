@@ -102,7 +102,7 @@ std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   return one == nullptr ? "" : plan_->check_command(std::move(state), *one);
 }
 
-// A jog continues while the next half second can be planned.
+// A jog continues while its motion over the next LiveOptions::silence can be planned.
 void LiveHand::plan_jog(const Shown& now) {
   if (!plan_ || (planned_ && now.time < *planned_ + kJogAhead)) return;
   planned_ = now.time;

@@ -71,13 +71,14 @@ class LiveHand {
   };
 
   void plan_next_line();
-  bool stop_requested(int under_way, double now);
-  void plan_line(const std::string& line, const Shown& now);
-  void put(const LiveCommand& command);
+  bool stop_requested(int under_way, double now);  ///< true if a stop was put into the queue
+  void plan_line(const std::string& line, const Shown& now);  ///< queues the command, or a LiveAlive if it is rejected
+  void put(const LiveCommand& command);  ///< into the queue
   void plan_jog(const Shown& now);
-  std::string objection(const LiveCommand& command, const Shown& now);
-  Shown shown();
-  void report_state();
+  std::string objection(const LiveCommand& command, const Shown& now);  ///< empty: it can be executed
+  Shown shown();  ///< a copy of the state that show() stored
+  void report_state();  ///< calls LiveReport::state every LiveOptions::tell seconds
+  /// Executes a command at `time` [s]: acts on the controller, or sets velocity_, waits_until_, quits_.
   void apply(const LiveCommand& command, double time, CooperativeController& control) noexcept;
 
   const Scenario& scenario_;

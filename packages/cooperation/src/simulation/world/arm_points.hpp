@@ -10,7 +10,8 @@
 
 namespace veridyn {
 
-/// Points of an arm with a given base pose: positions, velocities and Jacobians in the world.
+/// Points of an arm with a given base pose: positions, velocities and Jacobians in the world. A point is an
+/// `offset` [m] in the axes of `frame`, an index in Model::frames().
 /// Nothing allocates after the constructor.
 class ArmPoints {
  public:
@@ -19,11 +20,11 @@ class ArmPoints {
   void move_to(const VectorXd& q, const VectorXd& dq) noexcept;
 
   struct Point {
-    Eigen::Vector3d position, velocity;
+    Eigen::Vector3d position, velocity;  ///< [m], [m/s] in the world
   };
   Point point(int frame, const Eigen::Vector3d& offset) const noexcept;
 
-  /// tau += J' f of the point, f in the world.
+  /// tau += share * J' f of the point, f in the world [N].
   void add_force(int frame, const Eigen::Vector3d& offset, const Eigen::Vector3d& force,
                  double share, VectorXd& tau) const noexcept;
 

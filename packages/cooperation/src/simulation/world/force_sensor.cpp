@@ -20,6 +20,7 @@ struct ForceSensor::State {
     ring.resize(static_cast<size_t>(std::ceil(on_the_way)) + 4);
   }
 
+  // Reading of a true force [N], with noise and in whole steps.
   double measured(double force) {
     const double noisy = force + options.noise * random.normal();
     return options.step > 0.0 ? std::round(noisy / options.step) * options.step : noisy;

@@ -129,7 +129,7 @@ double World::State::Arm::mobility(const Attachment& at) {
 
 namespace {
 
-void factor_in_place(MatrixXd& M) {
+void factor_in_place(MatrixXd& M) {  // Cholesky, into the lower triangle; zeros where M is not positive
   for (Eigen::Index j = 0; j < M.rows(); ++j) {
     for (Eigen::Index i = j; i < M.rows(); ++i) {
       double rest = M(i, j);

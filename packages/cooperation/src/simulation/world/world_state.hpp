@@ -35,14 +35,15 @@ struct World::State {
     Eigen::Vector3d angular_velocity(const Eigen::Vector3d& principal_moments) const;  ///< [rad/s] in the world
   };
 
-  void check() const;
-  void check(const Attachment& at, const char* what) const;
-  PointMotion point(const Attachment& at) const;
+  void check() const;  ///< throws InvalidInput, see World
+  void check(const Attachment& at, const char* what) const;  ///< `what` names the object in the message
+  PointMotion point(const Attachment& at) const;  ///< [m], [m/s] in the world
+  /// Adds `share` of a force on that point [N], in the world, to the arm's joint torques; none at a point of the world.
   void push(const Attachment& at, const Eigen::Vector3d& force, double share);
   /// Predicts all points after a share of a substep of h [s].
   void predict(double h);
   void predict_bodies(double h);
-  /// Adds `share` of the forces at the present state.
+  /// Adds `share` of the forces at the present state, and their work over a substep of h [s].
   void add_forces(double share, double h);
   void add_members(double share, double h);
   void add_walls(double share, double h);
@@ -50,6 +51,7 @@ struct World::State {
   void clear_forces();
   void update_forces();
   int choose_substeps(double dt);
+  /// One substep of h [s] with Simpson's mean of the forces; tau: (n) of each arm.
   StepStatus substep(const std::vector<VectorXd>& tau, double h);
   void move_bodies(double h);
 

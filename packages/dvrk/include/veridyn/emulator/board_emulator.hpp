@@ -67,11 +67,11 @@ class BoardEmulator {
 
   Ticks time() const { return now_; }
 
-  /// Lets time pass.
+  /// Moves the load and all boards on to `now`; the first call sets the clock.
   void advance(Ticks now) noexcept;
 
   int boards() const { return static_cast<int>(boards_.size()); }
-  EmulatedBoard& board(int place) { return boards_[place]; }
+  EmulatedBoard& board(int place) { return boards_[place]; }  ///< place: index in the constructor's list
   int node_of(int place) const { return nodes_[place]; }  ///< node of the board with this index
   /// Restarts a board, which also resets the bus.
   void reboot(int place);
@@ -114,19 +114,19 @@ class BoardEmulator {
   int requesting_reader(const Request& request) const noexcept;  ///< index of the board that executes a request; -1: none
   int hub() const { return 0; }  ///< index of the hub
   Answer execute(const Request& request, ByteSpan reply) noexcept;
-  void write(const Request& request) noexcept;
+  void write(const Request& request) noexcept;  ///< executes it on every board that it reaches
   void write_to(EmulatedBoard& board, const Request& request) noexcept;
-  Answer read(const Request& request, int place, ByteSpan reply) noexcept;
+  Answer read(const Request& request, int place, ByteSpan reply) noexcept;  ///< reply of the board at this index
   Answer answer_query(const Request& query, ByteSpan reply) noexcept;
-  void read_block(const Request& request, int place, QuadletSpan out) noexcept;
+  void read_block(const Request& request, int place, QuadletSpan out) noexcept;  ///< of that board, or of the hub's memory
   void start_query(std::uint32_t word) noexcept;
-  void update_hub() noexcept;
-  void read_hub(QuadletSpan out) noexcept;
+  void update_hub() noexcept;  ///< blocks that are due become the present ones
+  void read_hub(QuadletSpan out) noexcept;  ///< blocks of the queried boards in ascending ids, then the timing
   Trailer trailer(std::uint8_t flags) const noexcept;
   Answer send(Reply& reply, int place, ByteSpan out) noexcept;
-  bool consume_fault(int node) noexcept;
-  Answer corrupt_reply(std::size_t size, ByteSpan out) noexcept;
-  bool is_lost() noexcept;
+  bool consume_fault(int node) noexcept;  ///< true if the next reply of this node is to be corrupted; counts it
+  Answer corrupt_reply(std::size_t size, ByteSpan out) noexcept;  ///< applies faults.reply to the encoded reply
+  bool is_lost() noexcept;  ///< draws whether a datagram is lost
 
   std::vector<EmulatedBoard> boards_;
   std::vector<int> nodes_;

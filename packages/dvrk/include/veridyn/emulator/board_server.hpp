@@ -44,8 +44,8 @@ class BoardServer {
   double latest() const { return latest_; }
 
  private:
-  Ticks now() const;
-  Ticks time_of(double came);
+  Ticks now() const;  ///< since the constructor
+  Ticks time_of(double came);  ///< of CLOCK_REALTIME [s], at most 0.1 s ago
   bool serve_one(Ticks at, bool as_it_came);
 
   BoardEmulator& emulator_;

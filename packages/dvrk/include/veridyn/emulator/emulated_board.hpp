@@ -70,6 +70,7 @@ class EmulatedBoard {
   /// Executes timers and checks up to `now`.
   void advance(Ticks now, const PowerChain& chain) noexcept;
 
+  /// One register; 0 for an unknown address. A write also feeds the watchdog.
   std::uint32_t read(std::uint16_t address) const noexcept;
   void write(std::uint16_t address, std::uint32_t data) noexcept;
   /// A block at any address except the hub's; zeros beyond its end.
@@ -79,12 +80,13 @@ class EmulatedBoard {
   /// Latches the real-time feedback and restarts its timestamp.
   BoardFeedback latch() noexcept;
 
-  MotorDrive drive(int channel) const noexcept;
+  MotorDrive drive(int channel) const noexcept;  ///< output of the amplifier to its motor
+  /// Moves the encoder; stores pot and current with their noise and faults.
   void set_motion(int channel, const ChannelMotion& motion) noexcept;
 
   Status status() const noexcept;
   MotorStatus motor_status(int channel) const noexcept;
-  bool amp_on(int channel) const noexcept;
+  bool amp_on(int channel) const noexcept;  ///< enabled, with supply voltage and without fault
   bool watchdog_tripped() const { return watchdog_tripped_; }
   bool relay_closed() const { return relay_requested_ && !faults.relay_stuck_open; }
   std::uint16_t dac(int channel) const { return channels_[channel].dac; }
@@ -117,20 +119,20 @@ class EmulatedBoard {
 
   void apply_amp(Channel& c, AmpRequest request, bool power_before) noexcept;
   void apply_command(const BoardCommand& command) noexcept;
-  void apply_control(std::uint32_t word) noexcept;
-  void clear_watchdog() noexcept;
+  void apply_control(std::uint32_t word) noexcept;  ///< executes a control word: section 7.3
+  void clear_watchdog() noexcept;  ///< resets the trip and restarts the period
   static void clear_trip(Channel& c) noexcept;
   double noise(double deviation) noexcept;
   void check_current(Channel& c, std::uint16_t measured) noexcept;
-  std::uint16_t measured_current(int channel) const noexcept;
-  std::uint32_t digital_word() const noexcept;
+  std::uint16_t measured_current(int channel) const noexcept;  ///< [bits of the ADC], faults included
+  std::uint32_t digital_word() const noexcept;  ///< register 10: section 13
   ChannelFeedback channel_feedback(int channel) const noexcept;
-  std::uint32_t read_channel(int channel, int offset) const noexcept;
+  std::uint32_t read_channel(int channel, int offset) const noexcept;  ///< offset: address::Offset
   void write_channel(int channel, int offset, std::uint32_t data) noexcept;
   std::uint32_t dallas_status() const noexcept;
   std::uint32_t dallas_quadlet(std::size_t place) const noexcept;
   void command_prom(std::uint32_t command) noexcept;
-  void command_qla_prom(std::uint32_t command) noexcept;
+  void command_qla_prom(std::uint32_t command) noexcept;  ///< reads from the QLA's serial number
 
   BoardSetup setup_;
   std::array<Channel, kChannels> channels_;

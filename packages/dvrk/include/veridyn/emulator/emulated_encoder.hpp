@@ -14,7 +14,7 @@ class EmulatedEncoder {
   /// Sets the shaft position at power-up.
   void power_up(double counts, Ticks now) noexcept;
 
-  /// Moves the shaft to `counts`.
+  /// Moves the shaft to `counts` at a constant speed since the last call.
   void move(double counts, Ticks now) noexcept;
 
   /// Adds `counts` to the counter, as after missed edges.
@@ -24,6 +24,7 @@ class EmulatedEncoder {
   void preload(std::uint32_t word) noexcept;
   std::uint32_t last_preload() const { return preload_; }
 
+  /// Registers of the counter as this firmware gives them, at the time `now`.
   EncoderWords words(int firmware, Ticks now) const noexcept;
 
   /// Levels of the lines A and B.
@@ -42,8 +43,8 @@ class EmulatedEncoder {
     std::uint32_t kind = 0;  ///< A-up 8, B-up 4, A-down 2, B-down 1
   };
 
-  std::int64_t phase() const { return ((count_ % 4) + 4) % 4; }
-  void edge(std::int64_t crossed, bool up, double at) noexcept;
+  std::int64_t phase() const { return ((count_ % 4) + 4) % 4; }  ///< quarter of the line period, 0 to 3
+  void edge(std::int64_t crossed, bool up, double at) noexcept;  ///< stores an edge at the time `at` [ticks]
   std::uint32_t period_word(bool stale) const noexcept;
 
   double counts_ = 0.0;      ///< Counts of the shaft

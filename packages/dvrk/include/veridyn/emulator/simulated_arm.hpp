@@ -31,7 +31,7 @@ class SimulatedArm final : public BoardLoad {
   void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
                std::size_t channels) noexcept override;
 
-  /// Sets end stops (joints) at which the model's joints stop. There are none at first.
+  /// Sets end stops (joints) [rad], [m] at which the model's joints stop. There are none at first.
   void set_end_stops(const VectorXd& lower, const VectorXd& upper);
 
   /// Sets errors of encoders, pots and currents, without delays: currents are those of the cycle. There are
@@ -52,7 +52,7 @@ class SimulatedArm final : public BoardLoad {
     std::size_t channel = 0;  ///< index among the emulator's channels
   };
 
-  void stop_at_ends() noexcept;
+  void stop_at_ends() noexcept;  ///< puts joints beyond a stop back to it
 
   Engine& engine_;
   std::vector<Motor> motors_;

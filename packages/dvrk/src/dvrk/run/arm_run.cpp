@@ -40,6 +40,7 @@ constexpr double kIntegralShare = 0.5;  // share of the largest torque
 constexpr double kLargestError = 0.35;  // [rad] default tracking error that ends a run
 constexpr double kLargestErrorSliding = 0.02;  // [m] default for a prismatic joint
 
+// Checks options and motion (in positions of the boards), then runs it; records the first `recorded` joints.
 RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                       Eigen::Index recorded, MotionController& controller,
                       const RunOptions& options, const std::atomic<bool>& stop) {
@@ -123,7 +124,7 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
 
 namespace {
 
-// Reads until the time is over, the signal arrives, or `each` returns true. @returns the reason for
+// Reads until the time is over, the signal arrives, or `each` (of the time [s]) returns false. @returns the reason for
 // an early end; empty without one.
 std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, double seconds,
                         const std::atomic<bool>& stop, const std::function<bool(double)>& each) {

@@ -11,11 +11,13 @@ namespace {
 // Time between two readings of the pots if no rate is given, short enough for the watchdog.
 constexpr double kPotPeriod = 0.001;  // [s] time between two readings
 
+// Connector of a board's axis; `boards` are ascending ids that contain `board`.
 Socket socket(const std::vector<int>& boards, int board, int axis) {
   const auto place = std::lower_bound(boards.begin(), boards.end(), board) - boards.begin();
   return {static_cast<int>(place), axis};
 }
 
+// Throws InvalidInput if no supported board has this axis.
 void require_channel(const RobotConfig& robot, int board, int axis) {
   require(axis < kChannels, "robot '", robot.name, "': found board ", board, " axis ", axis,
           ", expected axes 0 to ", kChannels - 1, ".");
@@ -32,6 +34,7 @@ void set_current_limits(const LinearScale& amps_to_bits, const LinearScale& bits
   safety.max_current = std::abs(amps_to_bits.scale) * max_current + 0.5;
 }
 
+// False if pots sit on joints or need a lookup table: they cannot be compared with encoders then.
 bool pots_on_actuators(const RobotConfig& robot) {
   return robot.pot_lookup_table.empty() &&
          (robot.pots_to_actuators.size() == 0 || robot.pots_to_actuators.isIdentity(1e-12));

@@ -20,6 +20,7 @@ struct Wiring {
   VectorXd kp, kd;
 };
 
+// Reads the configuration; zero gains for an arm that is not known. @throws InvalidInput  see BoardArm.
 Wiring wiring_of(const BoardArmOptions& options) {
   const std::vector<std::string> names = arm_names();
   const auto is_known = [&](const std::string& name) {

@@ -13,6 +13,7 @@ namespace veridyn::dvrk {
 /// reading, read(), computing and writing, end().
 class CycleClock {
  public:
+  /// @param rate  [Hz] of the cycles.
   CycleClock(DatagramLink& link, double rate) : link_(link), period_(1.0 / rate) {
     restart_count();
   }
@@ -52,6 +53,7 @@ class CycleClock {
     cpu_ = cpu;
   }
 
+  /// Call after writing: updates the timing with this cycle and the gap since the previous write.
   void end() noexcept {
     const double now = link_.now();
     const double took = now - began_;
@@ -91,6 +93,7 @@ class CycleClock {
   const LoopTiming& timing() const { return timing_; }
 
  private:
+  // [s] processor time of this thread.
   static double processor_seconds() noexcept {
     timespec at{};
     ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &at);
@@ -104,6 +107,7 @@ class CycleClock {
     timing_.late_replies += reason == LateReason::kReplies ? 1 : 0;
   }
 
+  // Counts the cycle at `now` [s]; at the end of a window sets persistently_late_.
   void watch_rate(double now) noexcept {
     ++window_cycles_;
     const double window = std::max(kWindow, kLeastPeriods * period_);

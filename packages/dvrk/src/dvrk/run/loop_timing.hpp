@@ -22,7 +22,7 @@ enum class LateReason {
   kOwn       ///< this program's own work
 };
 LateReason reason_of(const WriteGap& gap);
-/// "the system (woken 12.1 ms late)".
+/// "the system woke this program 12.10 ms late"; "as planned" if less than a tenth of the gap was not.
 std::string describe_reason(const WriteGap& gap);
 
 /// Timing of a loop.

@@ -14,6 +14,7 @@ namespace {
 // reference.
 constexpr double kRoom = 0.0025;
 
+// [rad], [m]; infinite where the configuration has none.
 PositionRange soft_limits(const ActuatorConfig& actuator) {
   if (!(actuator.lower < actuator.upper)) return {-kInfinity, kInfinity};
   return {actuator.lower, actuator.upper};

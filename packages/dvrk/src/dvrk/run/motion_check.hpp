@@ -18,8 +18,8 @@ class MotionCheck {
   /// @param joints  number of joints in the motion, the first ones of the arm.
   MotionCheck(const ArmSession& arm, const MotionController& controller, Eigen::Index joints);
 
-  /// @throws InvalidInput  a set point leaves the limits, with the time, the joint, and how far the
-  ///                       motion would have to shrink.
+  /// @param rate  [Hz] of the set points. @throws InvalidInput  a set point leaves the limits, with the time, the
+  ///                       joint or actuator, where it would stop, and its range.
   void require_inside(const MotionSamples& motion, double rate) const;
 
   /// Reason for which an arm cannot begin here; empty if it can.
@@ -36,6 +36,7 @@ class MotionCheck {
     PositionRange range;
     double velocity;  ///< [rad/s] or [m/s] largest velocity
   };
+  /// The first limit that is violated, with `share_left` of its range kept free at either end; nullptr: none.
   const Guard* violated_guard(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
 
   std::string arm_;

@@ -13,6 +13,7 @@ struct Approach {
   VectorXd from, to;
   double duration = 0.0;
 
+  // Set point at t [s] since its begin; at rest outside of its duration.
   void at(double t, JointReference& point) const noexcept {
     const double s = std::clamp(t / duration, 0.0, 1.0);
     const double a = s * s * s * (10.0 - s * (15.0 - 6.0 * s));

@@ -29,20 +29,20 @@ class MotionRun {
  private:
   template <typename Make>
   bool cycle(Make&& make);
-  bool control() noexcept;
+  bool control() noexcept;  ///< sets the torques of this cycle; false: the controller refused
   void reset_controller() noexcept;
-  void note_blindness(double now, bool valid) noexcept;
+  void note_blindness(double now, bool valid) noexcept;  ///< begin [s] and reason of a series of invalid reads
   std::string blindness_text(double now) const;
-  bool stays_inside();
-  bool follows();
-  bool end(const std::string& why);
-  bool check_reads();
+  bool stays_inside();  ///< false, with the run ended: an actuator leaves its soft limits
+  bool follows();  ///< false, with the run ended: a tracking error is too large
+  bool end(const std::string& why);  ///< keeps the first reason; returns false
+  bool check_reads();  ///< false: the run is over, as for the next ones
   bool power_up();
-  void hold_position();
-  void rest();
-  bool approach();
-  bool play();
-  void hold(double seconds);
+  void hold_position();  ///< set points are the measured positions
+  void rest();  ///< set points without velocity and acceleration
+  bool approach();  ///< moves to the first set point and settles
+  bool play();  ///< follows the motion and records it
+  void hold(double seconds);  ///< keeps the last set points
   OffState power_down();
 
   ArmSession& arm_;

@@ -16,11 +16,11 @@ constexpr double kLeastRate = 0.95;
 /// Reason for which a loop that is late all the time is stopped.
 std::string lateness_text(const CycleClock& clock);
 
-/// Reason for which a completed loop is unsatisfactory; empty if it is not.
+/// Reason for which a completed loop is unsatisfactory (below kLeastRate); empty if it is satisfactory.
 std::string objection_to(const LoopTiming& timing);
 
-/// Writes the end of the file and its first line, sets the number of rows in `result` and
-/// `complete`.
+/// Writes the end of the file and its first line; sets `kept`, `file_error` and `complete` of `result`, and
+/// `why` if the file failed.
 void finish(RowFile& file, RunResult& result);
 
 }  // namespace veridyn::dvrk

@@ -7,6 +7,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The keys that every command has: version, command, arm.
 Json head(const std::string& command, const std::string& arm) {
   return {{"veridyn", VERIDYN_VERSION}, {"command", "dvrk " + command}, {"arm", arm}};
 }

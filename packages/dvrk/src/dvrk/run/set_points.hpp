@@ -12,7 +12,7 @@ class SetPoints {
  public:
   explicit SetPoints(const MotionSamples& motion) : motion_(motion) {}
 
-  double duration() const { return motion_.time[motion_.rows() - 1] - motion_.time[0]; }
+  double duration() const { return motion_.time[motion_.rows() - 1] - motion_.time[0]; }  ///< [s]
 
   /// @param t  [s] since the first row. @param point  the motion's joints are written.
   void at(double t, JointReference& point) noexcept {

@@ -59,6 +59,7 @@ class ArmUnits {
   /// (n) Largest change of each joint's position when every encoder moves by one count [rad, m].
   VectorXd joint_steps() const;
 
+  /// Converts readings of all boards to SI units.
   /// @param raw    size() entries, in the order of the configuration.
   /// @param state  of size().
   void read(const RawActuator* raw, BoardArmState& state) noexcept;
@@ -81,7 +82,7 @@ class ArmUnits {
   void reset() noexcept { has_previous_ = false; }
 
  private:
-  void convert_currents(ArmCommand& command) noexcept;
+  void convert_currents(ArmCommand& command) noexcept;  ///< sets bits and tau from the currents [A]
 
   RobotConfig robot_;
   std::vector<ActuatorConfig> actuators_;

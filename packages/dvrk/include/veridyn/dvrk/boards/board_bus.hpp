@@ -68,7 +68,8 @@ enum class BusState {
 };
 
 /// The client's side of the boards: bus scan, real-time cycle, registers. Detects conditions 1 to
-/// 16 and 25 to 30 of section 17; BoardSession handles those that boards report (17 to 24). After
+/// 16 and 25 to 30 of section 17; BoardSession handles those that boards report (17 to 24). A parameter `b` is
+/// the index of a board in ascending ids, `channel` counts from 0. After
 /// start() nothing allocates or throws.
 class BoardBus {
  public:
@@ -126,14 +127,14 @@ class BoardBus {
   /// Command of the next write(), which resets it to "no change".
   BoardCommand& command(int b) { return boards_[b].command; }
   /// Sends all commands; keeps the watchdogs alive even without commands. While nodes are unknown,
-  /// sends switch_off(false) instead.
+  /// sends switch_off(Off::kAmps) instead.
   void write() noexcept;
 
   /// Sets zero current and switches amplifiers off, optionally power too, for the boards in use: by
   /// broadcast, which a change of generation cannot lose (specification 6).
   enum class Off { kAmps, kPower };
   void switch_off(Off what) noexcept;
-  /// The same for one board through its control register, for boards that ignore blocks.
+  /// The same for one board through its control register, for boards that ignore blocks. @returns false: not sent.
   bool switch_off_by_register(int b, Off what) noexcept;
   /// DAC bits of zero current, by calibration.
   void set_zero(int b, int channel, std::uint16_t bits) noexcept;
@@ -143,9 +144,9 @@ class BoardBus {
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Writes and reads back, with two repeats. @returns true if the register has the value.
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
-  /// Serial number "1234-56" of a QLA, from its memory: specification 7.6. Empty: it has none.
+  /// Serial number "1234-56" of a QLA, from its memory: specification 7.6. Empty: none, or it cannot be read.
   std::string qla_serial(int b);
-  /// Sets and verifies all watchdogs; clears the record of rebooted boards.
+  /// Sets and verifies all watchdogs; clears the record of rebooted boards. @returns true if all were verified.
   bool set_watchdog(double seconds) noexcept;
 
   const ReplyLoss& reply_loss() const { return exchange_.loss(); }
@@ -185,41 +186,43 @@ class BoardBus {
     std::optional<int> board = {};  ///< index in boards_, or the id that occurs twice; nullopt: no objection
   };
 
-  Route route(const Board& b) const;
+  Route route(const Board& b) const;  ///< only for a board with a known node
   Route route_to(int node) const;
   Route broadcast_route() const;
+  /// FaultLog::note() at the present time, with the board's id.
   void note(Condition condition, std::optional<int> board = {}, std::optional<int> channel = {},
             std::uint32_t value = 0) noexcept;
 
   bool listens() const { return options_.access != Access::kDrive; }
-  void listen() noexcept;
+  void listen() noexcept;  ///< from now on writes are suppressed, see Exchange::listen_only()
+  /// Announces this client unless it listens, and identifies the hub. @throws InvalidInput  no hub answers.
   void find_hub();
   void set_gap_count() noexcept;
-  void probe(int node, double timeout) noexcept;
-  bool all_found() const noexcept;
+  void probe(int node, double timeout) noexcept;  ///< stores it in scan_; timeout [s] of each read
+  bool all_found() const noexcept;  ///< true if the scan found every board in use
   Objection assign() noexcept;
-  std::string words_of(const Objection& objection) const;
+  std::string words_of(const Objection& objection) const;  ///< message for the user
   void choose_protocol();
-  void begin_scan(Condition why) noexcept;
+  void begin_scan(Condition why) noexcept;  ///< state kScanning, from node 0 on
   void scan_step() noexcept;
 
   void read_sequential() noexcept;
-  void read_by_register() noexcept;
-  bool read_words(Board& b, QuadletSpan words) noexcept;
+  void read_by_register() noexcept;  ///< kListenByRegister: reads every board word by word
+  bool read_words(Board& b, QuadletSpan words) noexcept;  ///< false: the read is marked as lost
   void read_broadcast() noexcept;
   void accept_block(Board& b, QuadletView block, double asked) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
   void mark_lost_read(Board& b, Condition why) noexcept;
-  void log_lost_read(Board& b, Condition why, std::uint32_t word) noexcept;
-  void poll_registers() noexcept;
+  void log_lost_read(Board& b, Condition why, std::uint32_t word) noexcept;  ///< also marks it as lost
+  void poll_registers() noexcept;  ///< checks a suspect board, or every BusOptions::housekeeping cycles one
   void check_registers(Board& b) noexcept;
   void check_written_commands() noexcept;
   void read_back_command(Board& b, std::size_t channel) noexcept;
 
-  bool nodes_known() const noexcept;
-  void write_blocks() noexcept;
-  void store_written(Board& b) noexcept;
+  bool nodes_known() const noexcept;  ///< registers of single boards may be addressed
+  void write_blocks() noexcept;  ///< sends all commands by the protocol of the cycle
+  void store_written(Board& b) noexcept;  ///< keeps the values for check_commands(), resets the command
   bool one_group() const noexcept;
 
   DatagramLink& link_;

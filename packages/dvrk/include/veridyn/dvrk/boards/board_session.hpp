@@ -88,6 +88,8 @@ const char* describe(PowerState state);
 /// With BusOptions::access other than kDrive nothing is written at all: update() reads and checks,
 /// commit() and shutdown() do nothing, power_on() refuses.
 ///
+/// Parameters `board` and `b` are indices of boards in ascending ids; `channel` and `c` count from 0.
+///
 /// The destructor switches off: amplifiers, power, by broadcast, repeated.
 class BoardSession {
  public:
@@ -122,7 +124,7 @@ class BoardSession {
   /// result differs from kConfirmed: the state is then unknown, and only the emergency stop helps.
   OffState shutdown() noexcept;
 
-  /// Loads an encoder and verifies it. @returns false: the value is not there, or the overflow bit stays.
+  /// Loads an encoder and verifies it. @returns false: power is on, the value is not there, or the overflow bit stays.
   bool preload(int board, int channel, std::int32_t counts) noexcept;
   /// False only if the board reports a preload since its start.
   bool needs_preload(int board, int channel) noexcept;
@@ -158,14 +160,14 @@ class BoardSession {
   ChannelState& channel(int b, int c) {
     return states_[b][c];
   }
-  bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
-  bool is_powering_up() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
-  void enter(PowerState state) noexcept;
+  bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }  ///< when the checks began
+  bool is_powering_up() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }  ///< true in kOn as well
+  void enter(PowerState state) noexcept;  ///< changes the state and restarts its time
   void escalate(Reaction reaction, Condition condition, std::optional<int> board = {},
              std::optional<int> channel = {}) noexcept;
   void note(Condition condition, Reaction reaction, int b, std::optional<int> c, std::uint32_t value) noexcept;
   void check_bus() noexcept;
-  void check_board(int b) noexcept;
+  void check_board(int b) noexcept;  ///< all checks of a valid board except that of its relay
   void check_relay(int b, const BoardFeedback& f) noexcept;
   void check_power(int b, const BoardFeedback& f) noexcept;
   void check_temperature(int b, const BoardFeedback& f) noexcept;
@@ -178,7 +180,8 @@ class BoardSession {
   void advance_power_state() noexcept;
   void command_off(int b) noexcept;
   OffState off_state() noexcept;
-  bool amps_stay_on() const noexcept;
+  bool amps_stay_on() const noexcept;  ///< true if a valid board shows an amplifier on
+  /// Sets the next block of a board: zero currents before kOn, then the commands; after a lost read the last ones.
   void command_channels(int b, AmpRequest amp) noexcept;
 
   DatagramLink& link_;

@@ -24,6 +24,7 @@ inline std::uint32_t load_quadlet(const std::uint8_t* at) {
          (static_cast<std::uint32_t>(at[2]) << 8) | static_cast<std::uint32_t>(at[3]);
 }
 
+/// Writes the four bytes of a quadlet, most significant first.
 inline void store_quadlet(std::uint8_t* at, std::uint32_t value) {
   at[0] = static_cast<std::uint8_t>(value >> 24);
   at[1] = static_cast<std::uint8_t>(value >> 16);
@@ -63,6 +64,7 @@ class QuadletSpan {
   void set(std::size_t k, std::uint32_t value) const {
     if (k < size()) store_quadlet(bytes_.data + 4 * k, value);
   }
+  /// `count` quadlets from `first` on, as far as they exist.
   QuadletSpan part(std::size_t first, std::size_t count) const {
     if (first >= size()) return {};
     const std::size_t there = size() - first;

@@ -32,7 +32,7 @@ enum class ReadResult {
   kDropped    ///< the board answered with only a trailer
 };
 
-/// The condition of section 17 for a read without a result.
+/// The condition of section 17 for a read that failed; kNoReply for kOk.
 Condition condition_of(ReadResult result);
 
 /// Number of the last kRequests requests whose first reply was lost or late.
@@ -62,7 +62,7 @@ class Exchange {
   std::uint8_t generation() const { return generation_; }
   /// A trailer had another generation than ours: node numbers may have changed.
   bool generation_changed() const { return learnt_ && told_ != generation_; }
-  void adopt_generation() noexcept { generation_ = told_; }
+  void adopt_generation() noexcept { generation_ = told_; }  ///< requests use the generation of the last trailer
   /// While set, a missing reply is no fault, because a scan addresses nodes that may not exist.
   void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
   /// [s] after which a request without a reply is repeated, again after twice as long, and so on until the
@@ -84,9 +84,11 @@ class Exchange {
   bool resetting() const { return resetting_; }
 
  private:
+  /// A request with the next label and the present generation, without data.
   Request request(const Route& route, Tcode tcode, std::uint16_t address) noexcept;
-  bool send(const Request& request, const Route& route) noexcept;
+  bool send(const Request& request, const Route& route) noexcept;  ///< false: not sent, which is logged
   void drain() noexcept;
+  /// @param timeout  [s], repeats of the request included. A failure is logged.
   ReadResult read(const Request& request, const Route& route, double timeout, Reply& reply) noexcept;
   /// @param until  [s] of the link's clock. @returns kNoReply, without an entry in the log, if nothing came.
   ReadResult await(const Request& request, double until, Reply& reply) noexcept;

@@ -72,6 +72,7 @@ struct FaultEntry {
 /// Counts of all conditions. note() does not allocate.
 class FaultLog {
  public:
+  /// Counts a condition and stores its time [s], board id, channel from 0 and value.
   void note(Condition condition, double now, std::optional<int> board = {}, std::optional<int> channel = {},
             std::uint32_t value = 0) noexcept;
   const FaultEntry& operator[](Condition condition) const;

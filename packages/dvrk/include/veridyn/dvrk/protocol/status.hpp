@@ -52,7 +52,7 @@ constexpr std::uint32_t digital_output_word(unsigned mask, unsigned values) {
   return ((mask & 0xFU) << 8) | (~values & mask & 0xFU);
 }
 
-/// Temperatures in half degrees: specification 7.1; 0xFF is no measurement.
+/// Temperatures of sensors 0 and 1 in half degrees: specification 7.1; 0xFF is no measurement.
 struct Temperatures {
   std::uint32_t word = 0;
 
@@ -60,7 +60,7 @@ struct Temperatures {
     return static_cast<std::uint8_t>(sensor == 0 ? word >> 8 : word);
   }
   bool valid(int sensor) const { return raw(sensor) != 0xFF; }
-  double celsius(int sensor) const { return 0.5 * raw(sensor); }
+  double celsius(int sensor) const { return 0.5 * raw(sensor); }  ///< [degC]; only if valid()
 };
 
 }  // namespace veridyn::dvrk

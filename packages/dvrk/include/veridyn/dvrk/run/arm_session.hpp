@@ -97,7 +97,7 @@ class ArmSession {
   void set_torques(const VectorXd& tau) noexcept;
   /// The commands after limits.
   const ArmCommand& command() const { return command_; }
-  void commit() noexcept;
+  void commit() noexcept;  ///< sends brake currents, and the torques if ready()
 
   /// Begins to power up. @returns nullptr, or the reason for a refusal.
   const char* power_on() noexcept;
@@ -116,11 +116,12 @@ class ArmSession {
   double watchdog() const { return options_.watchdog; }  ///< [s] watchdog of the boards
 
  private:
-  void require_velocities() const;
-  void require_own_boards();
-  void read_raw() noexcept;
-  void command_brakes() noexcept;
-  std::string average_pots(VectorXd& mean);
+  void require_velocities() const;  ///< throws InvalidInput, see start()
+  void require_own_boards();  ///< throws InvalidInput if a serial number differs from the configuration
+  void read_raw() noexcept;  ///< fills raw_ from the last feedback
+  void command_brakes() noexcept;  ///< releases them in PowerState::kOn, else engages them
+  std::string average_pots(VectorXd& mean);  ///< mean [bits] of resting pots, (n)
+  /// Both return the reason for a failure; empty after success. @param actuator_q  (n) [rad], [m].
   std::string load_encoders(const VectorXd& actuator_q);
   std::string load_from_pots();
 

@@ -9,6 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
+// Returns the options; throws InvalidInput if they do not fit the model or the arm.
 const ModelControlOptions& checked(const ModelControlOptions& options, const Model& model,
                                    const PidGains& rest, const VectorXd& largest) {
   require(model.joints() >= 1 && model.joints() <= largest.size(), "model '", model.name(),
@@ -31,6 +32,7 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
   return options;
 }
 
+// Options of the cycle with limits in true torques; `largest` (n of the arm) in the scale of the drives.
 CycleOptions cycle_of(const Model& model, const VectorXd& largest, const ModelControlOptions& options) {
   const VectorXd most = JointSensors(model).largest_true_torques(largest.head(model.joints()));
   SafetyLimits limits = safety_limits(model, most.maxCoeff());
@@ -45,12 +47,14 @@ CycleOptions cycle_of(const Model& model, const VectorXd& largest, const ModelCo
   return out;
 }
 
+// The user's gains, or those of two equal poles at options.frequency.
 JointGains joint_gains(int joints, const ModelControlOptions& options) {
   if (options.joint_gains) return *options.joint_gains;
   const double frequency = options.frequency;
   return {VectorXd::Constant(joints, frequency * frequency), VectorXd::Constant(joints, 2.0 * frequency)};
 }
 
+// The user's gains, or critical damping of tip_mass and stiffness in all directions.
 ImpedanceGains tip_gains(const ModelControlOptions& options) {
   if (options.tip_gains) return *options.tip_gains;
   ImpedanceGains gains;
@@ -60,6 +64,7 @@ ImpedanceGains tip_gains(const ModelControlOptions& options) {
   return gains;
 }
 
+// The gains with zeros for the first joints.
 PidGains without_first(PidGains gains, int joints) {
   for (VectorXd* one : {&gains.p, &gains.i, &gains.d}) one->head(joints).setZero();
   return gains;

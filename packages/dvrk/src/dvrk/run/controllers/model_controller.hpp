@@ -76,9 +76,9 @@ class ModelController final : public MotionController {
   const JointSensors& sensors() const { return cycle_.sensors(); }
 
  private:
-  void require_tip_led(const MotionSamples& motion) const;
-  void computed_torque() noexcept;
-  void impedance() noexcept;
+  void require_tip_led(const MotionSamples& motion) const;  ///< throws InvalidInput at a singular pose
+  void computed_torque() noexcept;  ///< commands cycle_ to follow wanted_ by joints
+  void impedance() noexcept;  ///< commands cycle_ to follow the tip of wanted_ like a spring
 
   ModelControlOptions options_;
   Model model_;

@@ -43,6 +43,7 @@ std::string header(Eigen::Index joints) {
   return line + "\n";
 }
 
+// Appends a number with so many significant digits.
 void add(double value, int digits, std::string& line) {
   char number[40];
   const auto end = std::to_chars(number, number + sizeof number, value, std::chars_format::general, digits);

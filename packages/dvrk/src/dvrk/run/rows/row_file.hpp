@@ -35,13 +35,13 @@ class RowFile {
   const std::string& error() const { return error_; }
 
  private:
-  void follow();
-  void append();
+  void follow();  ///< the thread: appends rows until stop() or a failure
+  void append();  ///< writes all new rows; opens the file at the first one
   void open();
   void name_or_remove();
-  bool put(const std::string& bytes);
-  void stop();
-  void remark_in_place(const std::string& remark);
+  bool put(const std::string& bytes);  ///< false: failed, with the reason in error_
+  void stop();  ///< ends the thread and waits for it
+  void remark_in_place(const std::string& remark);  ///< overwrites the first line, truncated to its length
   void copy_rows(const std::string& remark) const;
 
   std::string path_;

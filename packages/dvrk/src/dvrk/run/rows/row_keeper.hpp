@@ -30,6 +30,7 @@ class RowKeeper {
     for (MatrixXd* signal : {&rows_.q, &rows_.dq, &rows_.tau}) signal->setZero();
   }
 
+  /// Appends a row at t [s]; does nothing if memory is full or t has not increased.
   void keep(double t, const BoardArmState& state) noexcept {
     const Eigen::Index row = count();
     if (row >= rows_.time.size() || (row > 0 && t <= rows_.time[row - 1])) return;
@@ -43,6 +44,7 @@ class RowKeeper {
   const Recording& rows() const { return rows_; }
   Eigen::Index count() const { return count_.load(std::memory_order_acquire); }
 
+  /// A copy of the rows kept until now, with the first `joints` joints.
   Recording extract_rows(Eigen::Index joints) const {
     const Eigen::Index rows = count();
     Recording out;
@@ -65,7 +67,7 @@ class RowKeeper {
 /// their counter: time that is missing in many successive reads is added.
 class LatchTime {
  public:
-  /// @param seconds  since the previous latch, by the board. @returns [s] since the first call.
+  /// @param now  [s] by the link's clock. @param seconds  since the previous latch, by the board. @returns [s] since the first call.
   double next(double now, double seconds) noexcept {
     const double passed = now - last_;
     if (!started_) {
@@ -82,7 +84,7 @@ class LatchTime {
     gap_ = false;
     return time_;
   }
-  void mark_gap() noexcept { gap_ = true; }
+  void mark_gap() noexcept { gap_ = true; }  ///< the next interval is that of the link's clock
   /// Latches during which the boards' counter did not advance, timed by the link's clock.
   long stalled_latches() const { return stalled_latches_; }
   /// Number of intervals that reads of another client have removed.
