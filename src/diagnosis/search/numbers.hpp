@@ -11,6 +11,8 @@ namespace veridyn::search {
 /// >= kStandardErrorsWithTest * its standard error, and once more on the held-out recordings, to which no term is fitted.
 constexpr double kStandardErrorsWithoutTest = 2.0, kProbabilityWithoutTest = 0.97725, kStandardErrorsWithTest = 1.0;
 constexpr int kManyBlocks = 30;
+/// loss of a joint >= kLossShare * the gain on all joints, beyond its error and with a rise of kSmallestDecrease: the term is refuted.
+constexpr double kLossShare = 0.1;
 /// relative decrease of the mean square of the joint that a term helps most >= kSmallestDecrease, else the term does not matter.
 constexpr double kSmallestDecrease = 0.02;
 /// ln of the prior odds of a frequent cause against a seldom one (kPriceOfSeldom), a constant of the robot file, one

@@ -464,8 +464,13 @@ Gain gain_between(const Fitted& with, const Fitted& without, const VectorXd& wei
   const double few = std::max(1.0, count - 1.0);
   const auto scatter = [&](const VectorXd& x) { return std::sqrt((x.array() - x.mean()).square().sum() * count / few); };
   out.of_joint = blocks.colwise().sum().transpose();
+  out.rise = VectorXd::Zero(weight.size());
+  out.error_of_joint.resize(weight.size());
   for (Eigen::Index i = 0; i < weight.size(); ++i) {
-    if (weight[i] > 0.0) out.share = std::max(out.share, 1.0 - std::pow(with.scale[i] / without.scale[i], 2));
+    out.error_of_joint[i] = scatter(blocks.col(i));
+    if (weight[i] == 0.0) continue;
+    out.rise[i] = std::pow(with.scale[i] / without.scale[i], 2) - 1.0;
+    out.share = std::max(out.share, -out.rise[i]);
   }
   out.sum = out.of_joint.sum();
   out.error = scatter(blocks.rowwise().sum());

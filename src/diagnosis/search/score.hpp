@@ -49,8 +49,9 @@ struct Subset {
 /// Gain of one set over another, and its standard error over blocks.
 struct Gain {
   double sum = 0.0, error = 0.0, limit = 0.0;  ///< gain, its standard error, and limit = errors * standard error
-  VectorXd of_joint;
+  VectorXd of_joint, error_of_joint;
   double share = 0.0;  ///< largest relative decrease of a joint's mean square
+  VectorXd rise;       ///< (n) relative increase of every joint's mean square
   double prior = 0.0;  ///< part of the sum that comes from the MODEL's prior
 };
 

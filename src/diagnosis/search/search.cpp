@@ -77,6 +77,14 @@ class Search {
   bool is_compared_now(const Term& t) const { return !is_compared_last(t) && aside_.count(t.place) == 0; }
 
   // True if the error of some joint rises significantly.
+  // True if a term costs a joint a good part of what it gains on all. Smaller losses come from the parameters that joints share.
+  static bool makes_worse(const Gain& g) {
+    for (Eigen::Index i = 0; i < g.of_joint.size(); ++i) {
+      if (g.rise[i] > kSmallestDecrease && -g.of_joint[i] > std::max(kStandardErrorsWithoutTest * g.error_of_joint[i], kLossShare * g.sum)) return true;
+    }
+    return false;
+  }
+
   bool passes(const Gain& g, const Term& t) const {
     const bool helps_its_joint = !t.joint || g.of_joint[t.joint->value] > 0.0;
     // A MODEL's own parameters may move at a cost. A change or a load that moves in their place saves this
@@ -393,7 +401,7 @@ class Search {
         const CurrentSet::LeaveOneOut w = current_.evaluate_without(k, now);
         const bool refuted = is_contradicted(w.on_test);
         const double margin = refuted ? w.on_test.sum / std::max(w.on_test.error, numerics::kNoise) - numerics::kHuge : w.gain.sum / std::max(w.gain.error, numerics::kNoise);
-        if ((refuted || !passes(w.gain, current_.terms[k].term) || is_insignificant_load(k, fit.x, deviations)) && (!gone || margin < least)) {
+        if ((refuted || !passes(w.gain, current_.terms[k].term) || makes_worse(w.gain) || is_insignificant_load(k, fit.x, deviations)) && (!gone || margin < least)) {
           gone = k;
           least = margin;
           is_refuted = refuted;
