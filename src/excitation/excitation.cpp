@@ -180,7 +180,7 @@ class Design {
     double cost = kInfinity;
   };
   Candidate polished_with_base_choice(Candidate best, int start, Found& found) const;
-  Candidate search_from_start(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;  ///< end of one start; sets found
+  Candidate search_from_start(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;  ///< best motion from one start; sets found
   Candidate widen_joint_ranges(Candidate best, Found& found) const;
   double share_of_range(const VectorXd& x, int joint) const;  ///< range in x over the range of the limits
   // True for the criteria that need every joint to use its range.

@@ -180,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, Mjcf,
 
 // MuJoCo computes from a stranger's file what the model that is read from it computes; dry friction
 // is a constraint there and compared by its number elsewhere.
-TEST(StrangersMjcfInMujoco, HasTheSameTorquesAndFrames) {
+TEST(ForeignMjcf, HasTheTorquesAndFramesOfMujoco) {
   const std::string path = testing::TempDir() + "veridyn_stranger_in_mujoco.xml";
   write_file(path, kStrangerMjcf);
   const Model read = read_model(path);

@@ -25,8 +25,7 @@ void place(Frame& frame, const JointPlacement& placement);
 /// The placement of any frame, also of one from a DH row. The offset of s is kept.
 JointPlacement joint_placement(const Frame& frame);
 
-/// The placement with respect to s without its offset, which moves into the origin, as does the tip as far as
-/// possible.
+/// joint_placement() with the offset of s, and as much of the tip as possible, moved into the origin.
 JointPlacement joint_placement_with_offset(const Frame& frame);
 
 }  // namespace veridyn

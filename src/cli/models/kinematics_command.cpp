@@ -83,6 +83,7 @@ Arm read_kinematic_arm(const std::string& robot, const std::string& frame, const
   return {std::move(model), std::move(at), closed ? known->closed_form : InverseSolver{}};
 }
 
+// Column t of a file of positions [s].
 struct Times {
   bool has = false;
   VectorXd values;

@@ -44,7 +44,7 @@ class Exchanges {
   /// file's direction do not lead there.
   std::vector<Exchange> far_gravities(const Round& now, const Fitted& fit);
 
-  /// The exchanges with the lowest scores, next to the terms of s: one of each cause, with polished shapes.
+  /// The exchanges with the lowest scores that add a term to s: one of each cause, with polished shapes.
   /// @param needed  required gain [nats]; terms far below it are not polished.
   std::vector<Exchange> best_terms(const Round& round, const Subset& s, const std::vector<TermProducts>& all, double needed, const TermFilter& is_selected) const;
 

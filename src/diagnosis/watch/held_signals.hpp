@@ -34,7 +34,7 @@ class HeldSignals {
   /// @param sound    time of the last usable row [s]; nothing where it is not usable.
   std::optional<Stopped> compare(const Row& row, const VectorXd& path, const VectorXd& fastest, std::optional<double> sound);
 
-  /// Queues a row until all its signals are known, which a later row may refresh within numbers.held.
+  /// Queues a row until no held signal can get a new value any more, numbers.held at most.
   void wait(const Row& row) { waiting_.push_back(row); }
   /// The next row that is known, or nothing.
   std::optional<Row> next();

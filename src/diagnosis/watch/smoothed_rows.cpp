@@ -233,7 +233,7 @@ void SmoothedRows::queue(const Row& row) {
   while (const std::optional<Row> known = held_.next()) resample(*known);
 }
 
-// The grid's points between the previous row and this one.
+// Adds the grid's points between the previous row and this one.
 void SmoothedRows::resample(const Row& row) {
   if (!resampled_) {
     first_t_ = row.t;

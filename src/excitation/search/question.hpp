@@ -58,6 +58,7 @@ struct Question {
 /// The arm with the values for a prediction, if there is one.
 std::optional<Model> values_of(const Model& arm, const ExcitationOptions& options);
 
+/// The question of an excitation whose motion lasts `seconds`.
 Question make_question(const Model& arm, const BaseRegressor& exact, const BaseRegressor& rounded,
                        const ExcitationOptions& options, double seconds);
 

@@ -128,7 +128,7 @@ class Table {
     names_column_.clear();
   }
 
-  // The number in a field; a text counts as a gap if the column belongs to no joint.
+  // The number in a field; a text counts as a gap if the column is of no signal.
   double number_in(const std::vector<std::string>& fields, std::size_t column) const {
     double value = kGap;
     const bool known = csv_number(fields[column], header_.separator, &value);

@@ -200,7 +200,7 @@ TEST(ArmKinematics, MtmInverseFindsTheJoints) {
 
 // Beyond the limits the nearest of all solutions is given, whichever way the elbow bends and
 // whether the arm reaches forwards or over its own base.
-TEST(ArmKinematics, MtmInverseListsAllSolutions) {
+TEST(ArmKinematics, MtmInverseIsNearestBeyondTheLimits) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
   const Chain chain(arm);

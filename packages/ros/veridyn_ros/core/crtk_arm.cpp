@@ -64,6 +64,7 @@ InverseKinematicsOptions inverse_of(const Model& arm) {
   return o;
 }
 
+// Writes the rotation as x, y, z, w.
 void copy_quaternion(const Eigen::Matrix3d& R, double (&out)[4]) {
   const Eigen::Quaterniond q(R);
   out[0] = q.x();

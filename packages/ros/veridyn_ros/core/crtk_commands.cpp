@@ -126,7 +126,7 @@ Refusal CrtkArm::execute_or_refuse(const Command& c) noexcept {
   }
 }
 
-// Changes the operating state by CRTK's rules; kInvalidTransition from another state.
+// Changes the operating state by CRTK's rules; kInvalidTransition where they do not allow it.
 Refusal CrtkArm::change_state(Kind kind) noexcept {
   const auto now = state_;
   const auto to = [this](OperatingState state) {

@@ -25,7 +25,7 @@ constexpr double kSameGain = 1e-6;             // relative difference of equal g
 constexpr int kHeldOutBlocks = 80;
 constexpr double kNoise = 1e-9;  // [m] smaller differences of constants are rounding
 
-// The last of the frames that most joints move.
+// The last frame that no other has more joints before.
 int most_distal_frame(const Model& arm) {
   std::vector<int> depth(arm.frames().size(), 0);
   int best = 0;

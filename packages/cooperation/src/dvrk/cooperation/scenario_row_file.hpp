@@ -26,7 +26,7 @@ class ScenarioRowFile {
   void count(Eigen::Index rows) noexcept { rows_.store(rows, std::memory_order_release); }
 
  private:
-  void follow();
+  void follow();  ///< the thread: writes complete rows until the end
 
   const ScenarioRun& run_;
   std::string path_, aside_;

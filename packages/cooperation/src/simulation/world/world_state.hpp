@@ -25,7 +25,7 @@ struct World::State {
     VectorXd column;
     VectorXd q, dq, ddq;  // state of the points, and the acceleration at the substep's start
     VectorXd external;    // mean torque of the objects over a substep
-    VectorXd all;         // including the motors
+    VectorXd all;         // total torque, with the motors
   };
 
   struct BodyMotion {
