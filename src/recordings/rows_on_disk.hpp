@@ -41,7 +41,7 @@ class RowsOnDisk {
 
   /// Appends a piece to `to`. False if it cannot be stored.
   bool append(const Recording& piece, Stored& to);
-  void finish(const std::string& key, Stored stored);
+  void finish(const std::string& key, Stored stored);  ///< from now on find() returns it
 
   /// A reader of the rows from the first one on, with the interface of RecordingReader::next().
   std::function<Recording(int)> rows_of(std::shared_ptr<const Stored> stored) const;

@@ -213,7 +213,7 @@ class InteriorPoint {
     return f - mu_ * (lower_.sum_of_logs(s) + upper_.sum_of_logs(s)) + nu_ * (c - s).lpNorm<1>();
   }
 
-  // The slope of the merit function along the step, with the penalty of (6).
+  // Raises nu_ to satisfy (6); returns the slope of the merit function along the step.
   double merit_slope() {
     const double infeasibility = (c_ - s_).lpNorm<1>();
     const double slope_of_logs = mu_ * (upper_.exists * p_s_.array() / upper_.distance(s_) -

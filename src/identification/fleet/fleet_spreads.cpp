@@ -50,6 +50,7 @@ struct SpreadPrior {
   }
 };
 
+// Prior of spreads with these degrees of freedom each.
 SpreadPrior prior_in(double (*unit)(const Quantity&), const std::vector<Quantity>& quantities,
                      double freedom) {
   SpreadPrior prior;

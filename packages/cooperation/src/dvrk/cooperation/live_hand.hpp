@@ -71,7 +71,7 @@ class LiveHand {
   };
 
   void plan_next_line();
-  bool stop_requested(int under_way, double now);  ///< true if a stop was put into the queue
+  bool stop_requested(int under_way, double now);  ///< queues a wanted stop, refuses the lines before it; false: no stop
   void plan_line(const std::string& line, const Shown& now);  ///< queues the command, or a LiveAlive if it is rejected
   void put(const LiveCommand& command);  ///< into the queue
   void plan_jog(const Shown& now);
