@@ -108,7 +108,8 @@ double angle_between(const Line& a, const Line& b) {
 
 }  // namespace
 
-CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, int hinge) {
+CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
+                           int hinge) {
   const Hinge& h = bundle.hinge(hinge);
   CalibratedAxis out;
   out.closes_loop = bundle.closes_loop(hinge);
@@ -148,12 +149,14 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
     const Line moved = line_at(step, angles);
     VectorXd e(4);
     e.head<2>() = plane.transpose() * moved.direction;
-    e.tail<2>() = plane.transpose() * (plane_intersection(moved, line.direction, out.point) - out.point);
+    e.tail<2>() =
+        plane.transpose() * (plane_intersection(moved, line.direction, out.point) - out.point);
     return e;
   };
   std::vector<int> path = above;
   path.push_back(hinge);
-  const MatrixXd shared = derivatives(bundle, path, [&](const VectorXd& step) { return errors(step, mean); });
+  const MatrixXd shared =
+      derivatives(bundle, path, [&](const VectorXd& step) { return errors(step, mean); });
   MatrixXd by_angle = MatrixXd::Zero(4, mean.size());
   for (const int j : above) {
     VectorXd up = mean;
@@ -172,14 +175,16 @@ CalibratedLink link_result(const HingeBundle& bundle, int first, int second, int
   CalibratedLink out;
   const Line a = bundle.line(first);
   const Line b = bundle.line(second);
-  const Vector3d level = bundle.shape(body >= 0 ? body : bundle.hinge(second).b).rowwise().mean();
+  const Vector3d level =
+      bundle.shape(body >= 0 ? body : bundle.hinge(second).b).rowwise().mean();
   const Vector3d normal = a.direction.cross(b.direction);
   const Vector3d across = offset_in_plane(a, b, level).normalized();
   const auto values = [&](const VectorXd& step) -> VectorXd {
     const Line la = bundle.line(first, step);
     const Line lb = bundle.line(second, step);
     VectorXd v(3);
-    v << normal_distance(la, lb, normal), offset_in_plane(la, lb, level).dot(across), angle_between(la, lb);
+    v << normal_distance(la, lb, normal), offset_in_plane(la, lb, level).dot(across),
+        angle_between(la, lb);
     return v;
   };
   const VectorXd at = values(VectorXd::Zero(bundle.shared_size()));

@@ -5,7 +5,8 @@
 namespace veridyn::internal {
 
 /// One hinge of a fitted bundle in the frame of the cameras, with its uncertainty.
-CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, int hinge);
+CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
+                           int hinge);
 
 /// Geometry between two hinges of one body (-1: the frame of the cameras); indices of hinges are
 /// those of the bundle.

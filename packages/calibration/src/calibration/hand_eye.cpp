@@ -56,7 +56,8 @@ int first_good_form(const std::vector<PairFit>& fits) {
   if (points_alone || (!compared && points.reason.empty() && !fits[0].reason.empty()))
     return static_cast<int>(fits.size()) - 1;
   if (!compared) {
-    const bool close = fits[0].reason.empty() && fits[0].noise < kCloseFit && fits[0].noise_angle < kCloseTurn;
+    const bool close = fits[0].reason.empty() && fits[0].noise < kCloseFit &&
+                       fits[0].noise_angle < kCloseTurn;
     return close ? 0 : -1;
   }
   for (std::size_t k = 0; k + 1 < fits.size(); ++k) {
@@ -111,7 +112,8 @@ const char* name_of(HandEyeForm form) {
   return "";
 }
 
-HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B, const HandEyeOptions& options) {
+HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
+                           const HandEyeOptions& options) {
   require(A.file_rows == B.file_rows, B.source, ": found ", B.file_rows, " rows, expected ",
           A.file_rows, " as in ", A.source, " (rows belong together in pairs).");
   HandEye out;
@@ -190,7 +192,8 @@ std::string HandEye::report() const {
     text += form == HandEyeForm::kEyeInHand ? "  target\n" : "  tool\n";
     text += pose(*other, other_radius, other_radius_angle);
   }
-  text += fmt::format("  Left over: {:.3f} mm rms, {:.4f} deg rms.\n", 1e3 * rms, rms_angle / kDegree);
+  text += fmt::format("  Left over: {:.3f} mm rms, {:.4f} deg rms.\n", 1e3 * rms,
+                      rms_angle / kDegree);
   if (forms.size() < 2) return text;
   text += "  Forms tried (deviation of one component):";
   for (const Alternative& f : forms) {

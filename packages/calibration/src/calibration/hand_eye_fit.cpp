@@ -104,7 +104,8 @@ class PairProblem {
   void mark_outliers() {
     for (std::size_t k = 0; k < A_.size(); ++k) {
       const bool far = out_.residuals[k].norm() > kOutlier * std::sqrt(3.0) * out_.noise;
-      const bool turned = oriented_ && out_.angles[k] > kOutlier * std::sqrt(3.0) * out_.noise_angle;
+      const bool turned =
+          oriented_ && out_.angles[k] > kOutlier * std::sqrt(3.0) * out_.noise_angle;
       out_.is_outlier[k] = far || turned ? 1 : 0;
     }
   }
@@ -193,7 +194,8 @@ class PairProblem {
         Eigen::Map<RowMajor3> J_Y(J[0]);
         J_Y.setZero();
         const Matrix3d right = right_jacobian(Eigen::Map<const Vector3d>(x[0]));
-        J_Y.leftCols<3>() = -weight * left_jacobian_inverse(phi) * B.linear().transpose() * right;
+        J_Y.leftCols<3>() =
+            -weight * left_jacobian_inverse(phi) * B.linear().transpose() * right;
         if (one) J_Y.leftCols<3>() += weight * by_X * right;
       }
       if (!free_X || J[1] == nullptr) return;
@@ -241,7 +243,8 @@ std::string unidentifiable_reason(const Isometries& A, HandEyeForm form, double 
 
 }  // namespace
 
-PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form, double smallest_swing) {
+PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form,
+                  double smallest_swing) {
   PairFit none;
   none.reason = unidentifiable_reason(A, form, smallest_swing);
   if (!none.reason.empty()) return none;

@@ -22,6 +22,7 @@ struct PairFit {
 
 /// Fits one form robustly, or gives the reason why these poses do not determine it.
 /// @param smallest_swing  [deg] smallest rms turn about a second axis.
-PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form, double smallest_swing);
+PairFit fit_pairs(const Isometries& A, const Isometries& B, HandEyeForm form,
+                  double smallest_swing);
 
 }  // namespace veridyn::internal

@@ -108,11 +108,13 @@ void HingeBundle::set_initial_values() {
       const Hinge& hinge = tree_.hinges[j];
       if (!seen(hinge.a, frame) || !seen(hinge.b, frame)) continue;  // keeps the previous angle
       const Isometry3d turn = moved(hinge.a, frame).inverse() * moved(hinge.b, frame);
-      last[free_root + static_cast<Eigen::Index>(j)] = rotation_vector(turn.linear()).dot(start_[j].direction);
+      last[free_root + static_cast<Eigen::Index>(j)] =
+          rotation_vector(turn.linear()).dot(start_[j].direction);
     }
     root_start_.push_back(root);
     const bool is_reference = frame_unknown_.empty();
-    frame_unknown_.push_back(is_reference ? -1 : problem_.add_unknown(last, LeastSquares::Scope::kLocal));
+    frame_unknown_.push_back(
+        is_reference ? -1 : problem_.add_unknown(last, LeastSquares::Scope::kLocal));
   }
 }
 
@@ -165,7 +167,8 @@ HingePath HingeBundle::free_path(const std::vector<int>& hinges, int frame) cons
 Residual HingeBundle::residual(const Seen& seen) const {
   HingePath path = free_path(this->path(tree_.bodies[at(seen.body)]), seen.frame);
   const RigidBody& body = bodies_[at(tree_.bodies[at(seen.body)])];
-  path.measured = capture_.markers[at(body.markers[at(seen.marker)])].position.col(frames_[at(seen.frame)]);
+  path.measured = capture_.markers[at(body.markers[at(seen.marker)])].position.col(
+      frames_[at(seen.frame)]);
   const double* noise = &noise_;
   return [path = std::move(path), noise](const double* const* x, double* r, double* const* J) {
     path.evaluate(x, *noise, r, J);

@@ -58,7 +58,8 @@ class HingeBundle {
   /// Covariance of functions of the lines and of mean angles over some frames.
   /// @param shared        (functions x shared unknowns)
   /// @param mean_angles   (functions x hinges): derivatives by the mean angle over `over`
-  MatrixXd covariance(const MatrixXd& shared, const MatrixXd& mean_angles, const std::vector<int>& over) const;
+  MatrixXd covariance(const MatrixXd& shared, const MatrixXd& mean_angles,
+                      const std::vector<int>& over) const;
   int shared_size() const { return problem_.shared_size(); }
   /// Index of the first of a hinge's four unknowns among the shared ones.
   int first_unknown(int hinge) const;

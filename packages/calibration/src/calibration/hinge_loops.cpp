@@ -38,7 +38,8 @@ void HingeBundle::add_closures() {
       closure.b = free_path(b, k);
       closure.start = start_[own];
       closure.plane = plane_[own];
-      closure.half = std::max(bodies_[hinge.b].breadth, hinge.a < 0 ? 0.0 : bodies_[hinge.a].breadth);
+      closure.half = std::max(bodies_[hinge.b].breadth,
+                              hinge.a < 0 ? 0.0 : bodies_[hinge.a].breadth);
       Observation o;
       o.size = 6;
       o.unknowns.push_back(hinge_unknown_[own]);

@@ -17,7 +17,8 @@ using Plane = Eigen::Matrix<double, 3, 2>;
 constexpr int kMostHinges = 32;
 
 // Derivative of moved_line().direction, which is n, by x[0] and x[1].
-Plane direction_derivative(const Line& start, const Plane& plane, const double* x, const Vector3d& n) {
+Plane direction_derivative(const Line& start, const Plane& plane, const double* x,
+                           const Vector3d& n) {
   const double length = (start.direction + plane * Eigen::Vector2d(x[0], x[1])).norm();
   return (plane - n * (n.transpose() * plane)) / length;
 }
@@ -65,7 +66,8 @@ void HingePath::evaluate(const double* const* x, double noise, double* r, double
   if (wants_local) Eigen::Map<RowMajor>(J[1 + depth], 3, local_size).setZero();
   if (wants_local && free_root) {
     Eigen::Map<RowMajor> J_local(J[1 + depth], 3, local_size);
-    J_local.leftCols<3>() = -G * cross_matrix(y[0]) * right_jacobian(Eigen::Map<const Vector3d>(local)) / noise;
+    J_local.leftCols<3>() =
+        -G * cross_matrix(y[0]) * right_jacobian(Eigen::Map<const Vector3d>(local)) / noise;
     J_local.middleCols<3>(3) = Matrix3d::Identity() / noise;
   }
   Matrix3d L = G / noise;
@@ -79,7 +81,8 @@ void HingePath::evaluate(const double* const* x, double noise, double* r, double
     if (J[1 + i] != nullptr) {
       const double s = std::sin(angle[k]);
       const double c = 1.0 - std::cos(angle[k]);
-      const Matrix3d by_n = -s * cross_matrix(z) + c * (n.dot(z) * Matrix3d::Identity() + n * z.transpose());
+      const Matrix3d by_n = -s * cross_matrix(z) +
+                            c * (n.dot(z) * Matrix3d::Identity() + n * z.transpose());
       Eigen::Map<RowMajor4> J_line(J[1 + i]);
       J_line.leftCols<2>() = L * by_n * direction_derivative(start[k], plane[k], x[1 + i], n);
       J_line.rightCols<2>() = L * (Matrix3d::Identity() - R[k]) * plane[k];
@@ -92,7 +95,8 @@ void HingePath::evaluate(const double* const* x, double noise, double* r, double
   }
 }
 
-void HingeClosure::evaluate(const double* const* x, double deviation, double* r, double* const* J) const {
+void HingeClosure::evaluate(const double* const* x, double deviation, double* r,
+                            double* const* J) const {
   const Line line = moved_line(start, plane, x[0]);
   const Plane by_direction = direction_derivative(start, plane, x[0], line.direction);
   const auto of_a = a.hinges.size();

@@ -12,7 +12,8 @@ constexpr double kSingular = 1e-14;  // relative to the largest eigenvalue of th
 
 // The Moore-Penrose inverse of a symmetric matrix after scaling its columns to norm one.
 MatrixXd scaled_inverse(const MatrixXd& H) {
-  const VectorXd scale = H.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });
+  const VectorXd scale =
+      H.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });
   const MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled);
   VectorXd inverse = eigen.eigenvalues();
@@ -79,7 +80,8 @@ Information::Information(const LeastSquares& problem) {
   inverse_ = scaled_inverse(reduced_);
 }
 
-MatrixXd Information::covariance(const MatrixXd& shared, const std::map<int, MatrixXd>& local) const {
+MatrixXd Information::covariance(const MatrixXd& shared,
+                                 const std::map<int, MatrixXd>& local) const {
   MatrixXd d = shared;
   MatrixXd out = MatrixXd::Zero(shared.rows(), shared.rows());
   for (const auto& [u, g] : local) {

@@ -136,7 +136,8 @@ class BodyFit {
   }
 
   // Largest deviation of the distances, in standard deviations, if marker which[k] is called names[k].
-  double name_misfit(const MatrixXd& seen, const std::vector<int>& names, const std::vector<int>& which) const {
+  double name_misfit(const MatrixXd& seen, const std::vector<int>& names,
+                const std::vector<int>& which) const {
     double worst = 0.0;
     for (std::size_t a = 0; a < which.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
@@ -224,7 +225,8 @@ class BodyFit {
       body_.fault = fmt::format("body '{}' never shows three markers at once", body_.name);
       return;
     }
-    const Eigen::Matrix3d R = body_.pose[first - body_.seen.begin()].linear();
+    const Eigen::Matrix3d R =
+        body_.pose[first - body_.seen.begin()].linear();
     body_.shape = (R * body_.shape).eval();
     std::vector<double> left;
     double used = 0.0;
@@ -240,7 +242,8 @@ class BodyFit {
       used += 6.0;
     }
     const double share = 1.0 - used / static_cast<double>(left.size());
-    body_.noise = std::max(kFewestNoise, robust_deviation(left) / std::sqrt(std::max(0.1, share)));
+    body_.noise =
+        std::max(kFewestNoise, robust_deviation(left) / std::sqrt(std::max(0.1, share)));
   }
 
   MarkerCapture& capture_;

@@ -124,7 +124,8 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   if (yielding_) {  // The reference is the force at the bound: the excess moves the tip.
     const double size = force.norm();
     wanted = TaskReference();
-    wanted.ddx.head<3>() = wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
+    wanted.ddx.head<3>() =
+        wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
     wanted.dx.head<3>() = setup_.R_world_base.transpose() * target.relief.velocity;
     wanted.ddx.head<3>() += setup_.R_world_base.transpose() * target.relief.acceleration;
   }

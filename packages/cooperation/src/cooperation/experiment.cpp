@@ -92,7 +92,8 @@ void Experiment::add_members() {
     member.pulls_only = m.pulls_only;
     member.rest_length = (starts_[to] - starts_[from]).norm() + m.slack;
     objects_.members.push_back(member);
-    sensors_.emplace_back(sensor_options(scenario_, static_cast<int>(k)), 1.0 / scenario_.control.rate);
+    sensors_.emplace_back(sensor_options(scenario_, static_cast<int>(k)),
+                          1.0 / scenario_.control.rate);
   }
   samples_.resize(sensors_.size());
   filtered_.assign(sensors_.size(), 0.0);
@@ -123,7 +124,8 @@ void Experiment::add_bodies() {
   for (const ScenarioBody& body : scenario_.bodies) {
     const Model& first = world_arms_.front().model;
     const Vector3d gravity = base_rotation(scenario_.arms.front().turn) * first.gravity();
-    held_objects_.emplace_back(body, input_->position, gravity, scenario_.control.stiffness.mean());
+    held_objects_.emplace_back(body, input_->position, gravity,
+                               scenario_.control.stiffness.mean());
     objects_.bodies.push_back(HeldObject::in_world(body, starts_, tips_));
   }
 }

@@ -193,7 +193,8 @@ LiveCommand parse_live_command(const std::string& line, const Scenario& scenario
 
 std::unique_ptr<LineSource> open_line_source(const std::string& name) {
   if (name == "-") return std::make_unique<StandardInput>();
-  require(name.rfind("udp:", 0) == 0, "found the line '", name, "', expected - or udp:[ADDRESS:]PORT.");
+  require(name.rfind("udp:", 0) == 0, "found the line '", name,
+          "', expected - or udp:[ADDRESS:]PORT.");
   return std::make_unique<UdpLines>(name.substr(4));
 }
 

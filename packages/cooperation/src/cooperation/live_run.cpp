@@ -187,7 +187,8 @@ class LiveLoop {
       for (int k = 0; k < experiment_.arms(); ++k) {
         const Vector3d tip = experiment_.tip(k);
         if (held_.size() <= static_cast<std::size_t>(k)) held_.push_back(tip);
-        out_.moved_after_loss = std::max(out_.moved_after_loss, (tip - held_[k]).norm());
+        out_.moved_after_loss = std::max(out_.moved_after_loss,
+                                         (tip - held_[k]).norm());
       }
     }
     if (out_.time >= told_) {
@@ -211,7 +212,8 @@ class LiveLoop {
                                    describe(experiment_.controller().state()));
     for (int k = 0; k < experiment_.arms(); ++k) {
       const Vector3d tip = experiment_.tip(k);
-      line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name, tip.x(), tip.y(), tip.z());
+      line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name,
+                          tip.x(), tip.y(), tip.z());
     }
     for (std::size_t k = 0; k < scenario_.members.size(); ++k)
       line += fmt::format(" {}={:.3f}", scenario_.members[k].name,

@@ -48,7 +48,8 @@ MotionPlan::MotionPlan(const Scenario& scenario, std::vector<PlannedArm> arms)
   for (const ScenarioWall& wall : scenario.walls) {
     Arm& arm = arms_[wall.arm];
     arm.state.update(scenario.arms[wall.arm].start, arm.none);
-    walls_.push_back(arm.known.p_world_base + arm.known.R_world_base * arm.state.tip().position() + wall.point);
+    walls_.push_back(arm.known.p_world_base +
+                     arm.known.R_world_base * arm.state.tip().position() + wall.point);
   }
 }
 
@@ -62,7 +63,8 @@ MotionPlan::State MotionPlan::initial_state(const std::vector<VectorXd>& q) {
   }
   CooperativeInput seen(static_cast<int>(tips.size()), static_cast<int>(scenario_.members.size()));
   seen.position = tips;
-  State out = state_during_run(CooperativeController(cooperative_options(scenario_, bases), tips), seen, q);
+  State out =
+      state_during_run(CooperativeController(cooperative_options(scenario_, bases), tips), seen, q);
   for (size_t k = 0; k < out.length.size(); ++k) out.length[k] += scenario_.members[k].slack;
   return out;
 }
@@ -80,7 +82,8 @@ MotionPlan::State MotionPlan::state_during_run(const CooperativeController& cont
   return out;
 }
 
-std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& commands, double seconds) {
+std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& commands,
+                             double seconds) {
   for (const ScenarioCommand& c : commands) {
     if (c.kind == ScenarioCommand::Kind::kForce &&
         !(std::abs(c.amount) <= scenario_.control.largest_force))
@@ -153,13 +156,15 @@ void MotionPlan::advance_tips(State& state, const std::vector<TipTarget>& target
   const double dt = 1.0 / scenario_.control.rate;
   for (size_t k = 0; k < arms_.size(); ++k) {
     const bool gives = scenario_.arms[k].control == ArmControl::kImpedance;
-    const ImpedanceGains g = gives ? impedance_gains(scenario_.control) : position_gains(scenario_.control);
+    const ImpedanceGains g =
+        gives ? impedance_gains(scenario_.control) : position_gains(scenario_.control);
     const Eigen::Matrix3d& R = arms_[k].known.R_world_base;
     const Vector3d e = R.transpose() * (targets[k].position - state.seen.position[k]);
     const Vector3d de = R.transpose() * (targets[k].velocity - state.seen.velocity[k]);
     Vector3d push = g.stiffness.head<3>().cwiseProduct(e) + g.damping.head<3>().cwiseProduct(de);
     if (gives) push -= R.transpose() * tips_[k].force;
-    tips_[k].acceleration = targets[k].acceleration + R * push.cwiseQuotient(g.mass.head<3>());
+    tips_[k].acceleration =
+        targets[k].acceleration + R * push.cwiseQuotient(g.mass.head<3>());
     state.seen.velocity[k] += dt * tips_[k].acceleration;
     state.seen.position[k] += dt * state.seen.velocity[k];
   }

@@ -78,7 +78,8 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
       end,
       first + static_cast<Eigen::Index>(std::lround(commands_end(phase) * scenario.control.rate)));
   for (size_t k = 0; k < run.member.size(); ++k) {
-    out.members.push_back(member_figures(run.member[k], first, end, settled, 1.0 / scenario.control.rate));
+    out.members.push_back(
+        member_figures(run.member[k], first, end, settled, 1.0 / scenario.control.rate));
     out.members.back().member = run.members[k];
   }
   const ArmTrace& master = run.arm[scenario.master];

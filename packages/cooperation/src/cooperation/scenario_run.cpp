@@ -112,7 +112,8 @@ bool ScenarioRun::met() const {
 
 std::string ScenarioRun::report() const {
   const double end = time.size() > 0 ? time[time.size() - 1] : 0.0;
-  std::string out = fmt::format("{}: {} arm{}, {:.4g} s ", name, arms.size(), arms.size() == 1 ? "" : "s", end);
+  std::string out = fmt::format("{}: {} arm{}, {:.4g} s ", name, arms.size(),
+                                arms.size() == 1 ? "" : "s", end);
   out += engine == "boards" ? "on boards.\n"
                             : fmt::format("simulated in {:.2g} s by {}.\n", seconds, engine);
   out +=
@@ -135,7 +136,8 @@ std::string ScenarioRun::report() const {
         "from its least to its largest there; made: energy that the loop gave the object at rest.\n";
   for (const PhaseFigures& p : phases) {
     if (p.cut_short) {
-      out += fmt::format("{}: cut short, {:.4g} s of {:.4g} s: NOT met\n", p.phase, p.to - p.from, p.duration);
+      out += fmt::format("{}: cut short, {:.4g} s of {:.4g} s: NOT met\n", p.phase, p.to - p.from,
+                         p.duration);
       continue;
     }
     const bool asked = p.asked_force_error > 0.0 || p.asked_steady_error > 0.0;

@@ -145,7 +145,8 @@ void JoinedArms::move_hand() {
   World& world = experiment_.world();
   const World::PointMotion tip = world.point(tips_[k]);
   const Eigen::Vector3d place{place_[0].load(), place_[1].load(), place_[2].load()};
-  const Eigen::Vector3d force = hand_.stiffness * (place - tip.position) - hand_.damping * tip.velocity;
+  const Eigen::Vector3d force =
+      hand_.stiffness * (place - tip.position) - hand_.damping * tip.velocity;
   for (int i = 0; i < 3; ++i) hand_force_[i].store(force[i]);
   states_[k].update(world.q(hand_.arm), world.dq(hand_.arm));
   const Eigen::Vector3d in_base = R_world_base_[k].transpose() * force;

@@ -228,7 +228,8 @@ BoardEvent event_of(const std::string& words, BoardEmulator& emulator) {
   const auto equals = event.words.find('=');
   const auto colon = event.words.substr(0, equals).find(':');
   const std::string name = event.words.substr(0, std::min(equals, colon));
-  const bool timed = at != std::string::npos && number(words.substr(at + 1), event.time) && event.time >= 0.0;
+  const bool timed =
+      at != std::string::npos && number(words.substr(at + 1), event.time) && event.time >= 0.0;
   const auto kind = std::find_if(kinds().begin(), kinds().end(),
                                  [&](const EventKind& one) { return name == one.name; });
   if (kind == kinds().end() || !timed) {
@@ -249,7 +250,8 @@ BoardEvent event_of(const std::string& words, BoardEmulator& emulator) {
 
 }  // namespace
 
-std::vector<BoardEvent> board_events(const std::vector<std::string>& words, BoardEmulator& emulator) {
+std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
+                                     BoardEmulator& emulator) {
   std::vector<BoardEvent> events;
   for (const std::string& one : words) events.push_back(event_of(one, emulator));
   std::stable_sort(events.begin(), events.end(),

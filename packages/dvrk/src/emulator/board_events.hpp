@@ -17,7 +17,8 @@ struct BoardEvent {
 
 /// The events in order of time. @throws InvalidInput  an unknown name, a board that is not
 /// emulated, or a missing number.
-std::vector<BoardEvent> board_events(const std::vector<std::string>& words, BoardEmulator& emulator);
+std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
+                                     BoardEmulator& emulator);
 
 /// The available names, one per line with their effect, for --help.
 std::string board_event_help();

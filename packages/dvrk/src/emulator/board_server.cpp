@@ -117,7 +117,8 @@ Ticks BoardServer::time_of(double came) {
 
 void BoardServer::serve(double seconds) {
   pollfd wanted{socket_, POLLIN, 0};
-  const timespec most{static_cast<time_t>(seconds), static_cast<long>((seconds - std::floor(seconds)) * 1e9)};
+  const timespec most{static_cast<time_t>(seconds),
+                      static_cast<long>((seconds - std::floor(seconds)) * 1e9)};
   if (::ppoll(&wanted, 1, &most, nullptr) <= 0) {
     emulator_.advance(now());
   } else if (!serve_one(0, true)) {

@@ -183,7 +183,8 @@ void EmulatedBoard::set_motion(int channel, const ChannelMotion& motion) noexcep
 }
 
 std::uint16_t EmulatedBoard::measured_current(int channel) const noexcept {
-  const double bits = channels_[channel].motion.current_bits + faults.current[channel] + kZeroCurrent;
+  const double bits = channels_[channel].motion.current_bits +
+                      faults.current[channel] + kZeroCurrent;
   return static_cast<std::uint16_t>(std::clamp(std::round(bits), 0.0, 65535.0));
 }
 
@@ -211,7 +212,8 @@ MotorStatus EmulatedBoard::motor_status(int channel) const noexcept {
   const Channel& c = channels_[channel];
   const auto bit = [](bool set, int k) { return set ? 1U << k : 0U; };
   const bool on = amp_on(channel);
-  const bool fault = !c.disabled && faults.amp[channel] && supply_good_ && now_ - good_since_ >= kAmpHold;
+  const bool fault = !c.disabled && faults.amp[channel] && supply_good_ &&
+                     now_ - good_since_ >= kAmpHold;
   MotorStatus m;
   m.word = bit(on, 29) | bit(!c.disabled, 28) | (static_cast<std::uint32_t>(c.mode) << 24) |
            bit(c.mode == 0, 20) | bit(c.tripped, 17) | bit(fault, 16) | c.dac;
@@ -231,7 +233,8 @@ ChannelFeedback EmulatedBoard::channel_feedback(int channel) const noexcept {
 BoardFeedback EmulatedBoard::latch() noexcept {
   BoardFeedback f;
   const Ticks since = now_ - latched_at_ - 1;
-  f.timestamp = faults.stops_clock ? 0U : static_cast<std::uint32_t>(std::clamp<Ticks>(since, 0, 0xFFFFFFFF));
+  f.timestamp =
+      faults.stops_clock ? 0U : static_cast<std::uint32_t>(std::clamp<Ticks>(since, 0, 0xFFFFFFFF));
   latched_at_ = now_;
   f.status = status();
   f.digital.word = digital_word();

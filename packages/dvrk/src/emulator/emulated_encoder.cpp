@@ -53,7 +53,8 @@ void EmulatedEncoder::move(double counts, Ticks now) noexcept {
   if (stuck) return;
   const auto target = static_cast<std::int64_t>(std::floor(counts));
   const auto start = static_cast<double>(moved_at_);
-  const double rate = counts == counts_ ? 0.0 : static_cast<double>(now - moved_at_) / (counts - counts_);
+  const double rate =
+      counts == counts_ ? 0.0 : static_cast<double>(now - moved_at_) / (counts - counts_);
   const auto time_of = [&](std::int64_t crossing) {
     return start + (static_cast<double>(crossing) - counts_) * rate;
   };
@@ -119,7 +120,8 @@ EncoderWords EmulatedEncoder::words(int firmware, Ticks now) const noexcept {
   };
   w.quarter1 = quarter(recent_[0]);
   w.quarter5 = edges_ >= 5 ? quarter(recent_[4]) : 0x43FFFFFF;
-  w.running = (stale ? kOverflowBit : 0U) | (recent_[0].up ? kUpBit : 0U) | saturated(std::max(0.0, since));
+  w.running =
+      (stale ? kOverflowBit : 0U) | (recent_[0].up ? kUpBit : 0U) | saturated(std::max(0.0, since));
   if (firmware >= 7) return w;
   // Rev 6: a slower clock, and the quarters packed into two words.
   const double period = (w.period & kMost) / kRev6Ratio;

@@ -12,7 +12,8 @@ void EmulatedLink::advance(double seconds) noexcept {
 }
 
 EmulatedLink::Waiting* EmulatedLink::free_slot() noexcept {
-  const auto place = std::find_if(queue_.begin(), queue_.end(), [](const Waiting& w) { return w.size == 0; });
+  const auto place =
+      std::find_if(queue_.begin(), queue_.end(), [](const Waiting& w) { return w.size == 0; });
   return place == queue_.end() ? nullptr : &*place;
 }
 
@@ -39,7 +40,8 @@ bool EmulatedLink::send(ByteView datagram, Destination) noexcept {
 
 Arrival EmulatedLink::receive(ByteSpan buffer, double timeout) noexcept {
   Waiting* first = oldest();
-  const Ticks until = ticks_ + static_cast<Ticks>(std::ceil(std::max(0.0, timeout) * kTicksPerSecond));
+  const Ticks until =
+      ticks_ + static_cast<Ticks>(std::ceil(std::max(0.0, timeout) * kTicksPerSecond));
   const bool comes = first != nullptr && first->at <= until;
   const Ticks then = comes ? std::max(ticks_, first->at) : until;
   if (then > ticks_) {

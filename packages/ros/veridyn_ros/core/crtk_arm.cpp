@@ -190,7 +190,8 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   if (mode_ == Mode::kServo && stream_ == Kind::kServoCv) follow_twist(dt);
   if (mode_ == Mode::kServo && (stream_ == Kind::kServoJp || stream_ == Kind::kServoCp)) follow_joints(dt);
   setpoint_path_.advance(dt);
-  const bool by_effort = mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
+  const bool by_effort =
+      mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
   if (by_effort) {
     tau_ = arm.bias() + effort_;
     cycle_.command(tau_);

@@ -24,7 +24,8 @@ class ArmTopics {
   using Commands = Queue<Command, 64>;
 
   /// @param space  a handle in the arm's namespace, as /PSM1.
-  ArmTopics(ros::NodeHandle space, const veridyn::Model& arm, Commands& to_loop, Snapshot<Feedback>& from_loop);
+  ArmTopics(ros::NodeHandle space, const veridyn::Model& arm, Commands& to_loop,
+            Snapshot<Feedback>& from_loop);
 
   /// Publishes the feedback since the last call, if any; call it at the publishing rate.
   void publish();

@@ -58,6 +58,7 @@ struct HandEye {
 
 /// @param A, B  recordings whose rows correspond one to one.
 /// @throws InvalidInput  the files do not have the same number of rows.
-HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B, const HandEyeOptions& options = {});
+HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
+                           const HandEyeOptions& options = {});
 
 }  // namespace veridyn

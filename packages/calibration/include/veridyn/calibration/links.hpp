@@ -81,7 +81,8 @@ struct LinksCalibration {
 
 /// Status kCannotAnswer, with the reason, if the poses do not suffice or contradict the frame.
 /// @throws InvalidInput  the recording has other joints than the arm, or the arm no such frame.
-LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, const LinksOptions& options = {});
+LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
+                                 const LinksOptions& options = {});
 
 /// One line that compares a wrong constant found from torques with the estimate from the poses: they agree,
 /// the poses show another constant, or they show no error.

@@ -48,6 +48,7 @@ struct RemoteCenter {
 };
 
 /// @throws InvalidInput  the recording has no orientations.
-RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCenterOptions& options = {});
+RemoteCenter calibrate_remote_center(const PoseCapture& poses,
+                                     const RemoteCenterOptions& options = {});
 
 }  // namespace veridyn

@@ -145,7 +145,8 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
       const Isometry3d parent = T;
       const Vector3d at = parent * Vector3d(v(0), v(1), v(2));
       const Matrix3d yaw = parent.linear() * rotation_about_z(v(5)).linear();
-      const Matrix3d pitch = yaw * Eigen::AngleAxisd(v(4), Vector3d::UnitY()).toRotationMatrix();
+      const Matrix3d pitch =
+          yaw * Eigen::AngleAxisd(v(4), Vector3d::UnitY()).toRotationMatrix();
       for (int c = 0; c < 3; ++c)
         note(entry + static_cast<std::size_t>(c), false, parent.linear().col(c), at);
       note(entry + 3, true, pitch.col(0), at);

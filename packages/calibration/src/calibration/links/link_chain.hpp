@@ -10,7 +10,8 @@ namespace veridyn::internal {
 class LinkChain {
  public:
   /// @param base, tool  nominal poses, to which the parameters of base and tool are arm_with.
-  LinkChain(const LinkParameters& parameters, const Eigen::Isometry3d& base, const Eigen::Isometry3d& tool);
+  LinkChain(const LinkParameters& parameters, const Eigen::Isometry3d& base,
+            const Eigen::Isometry3d& tool);
 
   const LinkParameters& parameters() const { return parameters_; }
 

@@ -30,7 +30,8 @@ Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented
 
 // Converts J from the derivative of the pose to that of error_of(), which is e.
 void convert_to_error_derivative(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
-  const Matrix3d L = left_jacobian_inverse(e.head<3>()) * measured.linear().transpose();
+  const Matrix3d L =
+      left_jacobian_inverse(e.head<3>()) * measured.linear().transpose();
   J.topRows<3>() = (L * J.topRows<3>()).eval();
 }
 
@@ -65,7 +66,8 @@ VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<
       const VectorXd q = data.poses->q.row(row);
       Rows e = error_of(chain.pose(q, wanted ? &by : nullptr), measured, oriented);
       Rows weight;
-      weight << Vector3d::Constant(1.0 / data.noise.angle), Vector3d::Constant(1.0 / data.noise.position);
+      weight << Vector3d::Constant(1.0 / data.noise.angle),
+          Vector3d::Constant(1.0 / data.noise.position);
       if (wanted && oriented) convert_to_error_derivative(e, measured, by);
       for (int c = 0; c < size; ++c) {
         const int of = oriented ? c : c + 3;
@@ -86,13 +88,15 @@ VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vect
   VectorXd now = x;
   for (int round = 0; round <= kRounds; ++round) {
     const LinkErrors errors = link_errors(chain, data, now);
-    data.noise.position = std::max(kLeastNoise, robust_deviation_of_lengths(errors.position));
+    data.noise.position =
+        std::max(kLeastNoise, robust_deviation_of_lengths(errors.position));
     data.noise.angle = std::max(kLeastNoise, robust_deviation_of_lengths(errors.angle));
     for (std::size_t k = 0; k < data.rows.size(); ++k) {
       const bool far = errors.position[k] > outlier * std::sqrt(3.0) * data.noise.position;
       const bool turned = data.poses->has_orientation &&
                           errors.angle[k] > outlier * std::sqrt(3.0) * data.noise.angle;
-      data.is_outlier[data.rows[k]] = round > 1 && (far || turned) ? 1 : 0;
+      data.is_outlier[data.rows[k]] =
+          round > 1 && (far || turned) ? 1 : 0;
     }
     if (round == kRounds) break;
     now = fitted_links(chain, data, active, now, round > 1 ? 0.0 : kHuber);
@@ -105,7 +109,8 @@ LinkErrors link_errors(LinkChain& chain, const LinkData& data, const VectorRef& 
   LinkErrors out;
   for (const int row : data.rows) {
     const VectorXd q = data.poses->q.row(row);
-    const Rows e = error_of(chain.pose(q, nullptr), data.poses->poses[row], data.poses->has_orientation);
+    const Rows e = error_of(chain.pose(q, nullptr), data.poses->poses[row],
+                            data.poses->has_orientation);
     out.angle.push_back(e.head<3>().norm());
     out.position.push_back(e.tail<3>().norm());
   }
@@ -211,7 +216,8 @@ void estimate_attached_poses(const Model& arm, int frame, const PoseCapture& pos
   }
   const VectorXd x = A.completeOrthogonalDecomposition().solve(b);
   Matrix3d R_transposed;
-  R_transposed << x.segment<3>(0).transpose(), x.segment<3>(3).transpose(), x.segment<3>(6).transpose();
+  R_transposed << x.segment<3>(0).transpose(), x.segment<3>(3).transpose(),
+      x.segment<3>(6).transpose();
   base.linear() = nearest_rotation(R_transposed).transpose();
   tool.translation() = x.segment<3>(9);
   Vector3d shift = Vector3d::Zero();

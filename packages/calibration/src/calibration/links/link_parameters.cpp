@@ -127,7 +127,8 @@ std::map<std::string, double> LinkParameters::constants(const VectorRef& x) cons
 }
 
 // Value of an entry with the named constants c.
-double LinkParameters::entry_value(const LinkEntry& entry, const std::map<std::string, double>& c) const {
+double LinkParameters::entry_value(const LinkEntry& entry,
+                                   const std::map<std::string, double>& c) const {
   return entry.formula.empty() ? entry.value : veridyn::evaluate(entry.formula, c);
 }
 

@@ -109,12 +109,14 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
   }
   // A factor of N: columns scaled to one, without small eigenvalues.
   const VectorXd scale = normal.N.diagonal().cwiseSqrt();
-  const VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const VectorXd inverse =
+      scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
       MatrixXd(inverse.asDiagonal() * normal.N * inverse.asDiagonal()));
   const VectorXd roots = eigen.eigenvalues().unaryExpr(
       [&](double v) { return v > kDependent * eigen.eigenvalues().maxCoeff() ? std::sqrt(v) : 0.0; });
-  const MatrixXd A = roots.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  const MatrixXd A =
+      roots.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
   SquareRootInformation factor(names);
   factor.absorb(A, VectorXd::Zero(A.rows()));
   const BaseParameters base = base_parameters(factor, preference);
@@ -159,7 +161,8 @@ std::vector<LinkGain> gains_of_adding(const LinkNormal& normal, const std::vecto
   for (int k = 0; k < p; ++k) {
     if (!(N(k, k) > kDependent * normal.N(k, k))) continue;
     if (std::find(active.begin(), active.end(), k) != active.end()) continue;
-    out[k] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k), 1.0 / std::sqrt(N(k, k))};
+    out[k] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k),
+                                        1.0 / std::sqrt(N(k, k))};
   }
   return out;
 }

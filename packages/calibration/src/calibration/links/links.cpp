@@ -59,7 +59,8 @@ Attachment fit_attachment(const Model& arm, int frame, const PoseCapture& poses,
   Attachment a;
   a.base_free = base_free;
   a.tool_free = tool_free;
-  a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free, poses.has_orientation);
+  a.parameters = std::make_unique<LinkParameters>(arm, frame, base_free, tool_free,
+                                                  poses.has_orientation);
   Eigen::Isometry3d base;
   Eigen::Isometry3d tool;
   estimate_attached_poses(arm, frame, poses, base_free, tool_free, base, tool);
@@ -106,7 +107,8 @@ bool is_near_file(const Model& arm, int frame, const PoseCapture& poses) {
 Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,
                              const LinksOptions& options) {
   const auto is = [](AttachedPose p, AttachedPose q) { return p == q; };
-  const bool open = is(options.base, AttachedPose::kAutomatic) || is(options.tool, AttachedPose::kAutomatic);
+  const bool open = is(options.base, AttachedPose::kAutomatic) ||
+                    is(options.tool, AttachedPose::kAutomatic);
   const auto with = [&](bool automatic) {
     const bool base = is(options.base, AttachedPose::kAutomatic)
                           ? automatic
@@ -157,7 +159,8 @@ double relative_change(const LinkParameter& p, const LinkGain& gain) {
 }
 
 // Counts how many of base and tool are at the file's poses when these parameters are fitted.
-int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x, double correlation) {
+int attached_as_in_file(Attachment& a, const std::vector<int>& active, const VectorXd& x,
+                        double correlation) {
   const VectorXd s = standard_deviations(link_normal(*a.chain, a.data, x), active);
   bool base = true;
   bool tool = true;
@@ -194,7 +197,8 @@ int constant_with_largest_gain(Attachment& a, const std::vector<int>& active, co
     int own_in_file = 0;
     if (equal.size() > 1 && !a.attached.empty()) {
       const std::vector<int> with = joined(active, {k});
-      own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0), correlation);
+      own_in_file = attached_as_in_file(a, with, fitted_links(*a.chain, a.data, with, x, 0.0),
+                                        correlation);
     }
     const double own = relative_change(all[k], gain[k]);
     if (best >= 0 && (own_in_file < in_file || (own_in_file == in_file && !(own < change)))) continue;
@@ -236,8 +240,10 @@ Explanation smallest_explanation(Attachment& a, const LinksOptions& options, dou
     e.x = fitted_links(*a.chain, a.data, active, e.x, 0.0);
     const LinkNormal normal = link_normal(*a.chain, a.data, e.x);
     const double rest = (normal.chi2 - best) / correlation;
-    const double freedom = std::max(1.0, 1.0 * a.choice.independent.size() - 1.0 * active.size());
-    const double scale = best / std::max(1.0, 1.0 * normal.residuals - 1.0 * a.choice.independent.size());
+    const double freedom =
+        std::max(1.0, 1.0 * a.choice.independent.size() - 1.0 * active.size());
+    const double scale =
+        best / std::max(1.0, 1.0 * normal.residuals - 1.0 * a.choice.independent.size());
     if (rest / scale < freedom + 4.0 * std::sqrt(2.0 * freedom)) {
       e.complete = true;
       break;
@@ -302,7 +308,8 @@ void list_constants(const Attachment& a, const Explanation& e, const std::vector
   const LinkNormal normal = link_normal(*a.chain, a.data, x);
   const VectorXd s = standard_deviations(normal, active);
   const std::vector<LinkGain> more = gains_of_adding(normal, active);
-  const double dof = std::max(1.0, (normal.residuals - 1.0 * active.size()) / out.correlation);
+  const double dof =
+      std::max(1.0, (normal.residuals - 1.0 * active.size()) / out.correlation);
   const double scale = std::sqrt(
       normal.chi2 / std::max(1.0, normal.residuals - 1.0 * active.size()) * out.correlation);
   for (int k = 0; k < a.parameters->size(); ++k) {
@@ -423,7 +430,8 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
   out.correlation = serial_correlation(a);
   const Explanation e = smallest_explanation(a, options, out.correlation);
   out.explained = e.complete;
-  const std::vector<int> active = e.complete ? joined(a.attached, e.named) : joined({}, a.choice.independent);
+  const std::vector<int> active =
+      e.complete ? joined(a.attached, e.named) : joined({}, a.choice.independent);
   const VectorXd x = e.complete ? e.x : a.x;
   evaluate_held_out(a, active, x, out);
   list_constants(a, e, active, x, out);
@@ -436,12 +444,14 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
   out.base = a.chain->base();
   out.tool = a.chain->tool();
   out.rms_file = rms_of(link_errors(*a.chain, a.data, a.start).position, a.data, false);
-  out.outliers = static_cast<int>(std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
+  out.outliers = static_cast<int>(
+      std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   for (const Eigen::Isometry3d& T : poses.poses) out.positions.emplace_back(T.translation());
   out.joints = poses.q;
   out.model = a.parameters->arm_with(x);
   out.status = CalibrationStatus::kDone;
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  out.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return out;
 }
 

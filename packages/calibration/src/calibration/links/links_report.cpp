@@ -81,7 +81,8 @@ std::string compare_wrong_constant(const LinksCalibration& links, const std::str
                                         value_text(same->low, same->unit), value_text(same->high, same->unit));
   if (!same->changed) {
     const bool apart = same->high < low || same->low > high;
-    return torques + poses + (apart ? "they contradict the torques." : "nothing wrong as far as they tell.");
+    return torques + poses +
+           (apart ? "they contradict the torques." : "nothing wrong as far as they tell.");
   }
   const bool agree = same->low <= high && same->high >= low;
   return torques + poses + (agree ? "they agree." : "the same constant, by another amount.");

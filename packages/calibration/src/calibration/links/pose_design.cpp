@@ -192,7 +192,8 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
   }
   const VectorXd s = standard_deviations(designed, choice.independent);
   for (int c = 0; c < out.constants; ++c) {
-    const LinkParameter& p = parameters.all()[choice.independent[c]];
+    const LinkParameter& p =
+        parameters.all()[choice.independent[c]];
     out.predictions.push_back({p.frame.empty() ? p.name : p.name + " of " + p.frame, p.unit, s[c]});
   }
   order_poses(limits, options.rest, poses, out);

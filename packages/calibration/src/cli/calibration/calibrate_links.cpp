@@ -100,7 +100,8 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   add_value(command, "POSES", request->poses, "t,q1..qn,x,y,z,qw,qx,qy,qz; orientation may miss")
       ->required();
-  add_value(command, "--frame NAME", request->options.frame, "Frame that was tracked (default: the last)");
+  add_value(command, "--frame NAME", request->options.frame,
+            "Frame that was tracked (default: the last)");
   add_output_option(command, "--robot-out", request->robot_out, "Write the calibrated robot file");
   const auto pose = [&](const char* option, std::string& target, const char* help) {
     command.add_option(option, target, help)

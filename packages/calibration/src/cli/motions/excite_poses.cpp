@@ -67,7 +67,8 @@ ExitStatus run(const ExciteExtension::Request& call, const PosesRequest& request
   options.poses = request.poses;
   options.limit_share = call.limit_share.value_or(0.95);
   options.seed = call.seed;
-  const PoseDesign design = while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
+  const PoseDesign design =
+      while_busy(common, "choosing poses", [&] { return design_poses(arm, options); });
   if (design.status != CalibrationStatus::kDone) {
     print_message(design.reason + ".");
     return kDataCannotAnswer;

@@ -116,7 +116,8 @@ std::string to_json(const RemoteCenter& r) {
   return json_text(out);
 }
 
-std::string to_json(const LinksCalibration& r, const std::string& model_file, const std::string& comparison) {
+std::string to_json(const LinksCalibration& r, const std::string& model_file,
+                    const std::string& comparison) {
   Json out = calibration_json_head("links", r.status, r.reason);
   out["robot"] = r.robot;
   out["source"] = r.source;

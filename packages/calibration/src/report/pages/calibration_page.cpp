@@ -44,7 +44,8 @@ void add_points(Json& series, const std::string& name, const std::vector<Eigen::
 void add_frame(Json& series, const std::string& name, const Eigen::Isometry3d& T) {
   Json axes = Json::array();
   for (int c = 0; c < 3; ++c) axes.push_back(json_list(VectorXd(T.linear().col(c))));
-  series["space"]["frames"].push_back({{"name", name}, {"origin", json_list(T.translation())}, {"axes", axes}});
+  series["space"]["frames"].push_back(
+      {{"name", name}, {"origin", json_list(T.translation())}, {"axes", axes}});
 }
 
 // Adds a histogram of values * scale, in `unit`. Signed errors are centred at zero; magnitudes start at zero.
@@ -117,7 +118,8 @@ std::string to_page(const RemoteCenter& r, const std::string& command) {
   return html_of(series, to_json(r), r.report());
 }
 
-std::string to_page(const LinksCalibration& r, const std::string& command, const std::string& comparison) {
+std::string to_page(const LinksCalibration& r, const std::string& command,
+                    const std::string& comparison) {
   std::string verdict = "Many constants differ from the file.";
   if (r.explained) {
     verdict = r.named.empty() ? "No constant differs from the file." : "Wrong in the file: ";

@@ -29,7 +29,8 @@ struct LoadCellCalibration {
 /// @param force, raw  (readings) [N], [counts].
 /// @throws InvalidInput  fewer than two different forces, lists of different lengths, or identical
 /// readings.
-LoadCellCalibration calibrate_load_cell(const std::vector<double>& force, const std::vector<double>& raw);
+LoadCellCalibration calibrate_load_cell(const std::vector<double>& force,
+                                        const std::vector<double>& raw);
 
 /// Reads YAML with offset [counts], scale [N/count] and intervals. @throws InvalidInput  the file is missing or
 /// malformed.

@@ -22,7 +22,8 @@ struct LiveQuit {};   ///< end the run
 struct LiveJog {      ///< velocity of the object from now on, until the next line
   Eigen::Vector3d velocity{0.0, 0.0, 0.0};  ///< [m/s] velocity in the axes of the master
 };
-using LiveCommand = std::variant<ScenarioCommand, LiveJog, LiveWait, LiveStop, LiveAlive, LiveQuit>;
+using LiveCommand =
+    std::variant<ScenarioCommand, LiveJog, LiveWait, LiveStop, LiveAlive, LiveQuit>;
 
 /// Parses one line of words separated by blanks. A line that starts with '#', or an empty one, is a sign of
 /// life:

@@ -244,7 +244,8 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
 
 void add_read(CLI::App& parent, Outcome& outcome) {
   const auto request = std::make_shared<LoadcellRequest>();
-  CLI::App& command = *parent.add_subcommand("read", "Show readings, and whether the sensor is alive");
+  CLI::App& command =
+      *parent.add_subcommand("read", "Show readings, and whether the sensor is alive");
   add_value(command, "SOURCE", request->source,
             "serial:DEVICE[:BAUD][:text|binary] or udp:[ADDRESS:]PORT[:text|binary]")
       ->required();
@@ -260,7 +261,8 @@ void add_read(CLI::App& parent, Outcome& outcome) {
             "Between two readings [N]: one that is farther off waits for a second that agrees with "
             "it (a tenth of the range)",
             CLI::PositiveNumber);
-  add_value(command, "--silence MS", request->silence, "After which it is dead [ms] (15)", CLI::PositiveNumber);
+  add_value(command, "--silence MS", request->silence, "After which it is dead [ms] (15)",
+            CLI::PositiveNumber);
   add_value(command, "--stuck MS", request->stuck,
             "Of equal readings, after which it is stuck [ms] (15); 0: never",
             CLI::NonNegativeNumber);

@@ -130,7 +130,8 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
   std::vector<dvrk::CooperatingArm> arms;
   const dvrk::BoardCooperationOptions options = board_options(request, scenario.scenario, arms);
   catch_signals();
-  const dvrk::TeleoperationRun done = dvrk::teleoperate_on_boards(scenario, arms, options, stop_requested());
+  const dvrk::TeleoperationRun done =
+      dvrk::teleoperate_on_boards(scenario, arms, options, stop_requested());
   if (!output.empty()) dvrk::write_rows(done, output);
   if (!common.json.empty()) write_file(common.json, teleoperation_json(done));
   std::cout << done.report();
@@ -142,7 +143,8 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
 void add_boards_options(CLI::App& command, BoardsRequest& request) {
   add_value(command, "--boards IO...", request.configs,
             "Run on dVRK boards: a configuration (XML, JSON, or PSM1, ...) for each arm");
-  add_value(command, "--board-hosts HOST[:PORT]...", request.hosts, "Address of the boards of each arm");
+  add_value(command, "--board-hosts HOST[:PORT]...", request.hosts,
+            "Address of the boards of each arm");
   command.add_flag("--emulate", request.emulate,
                    "Emulate the boards over UDP; the emulated arms hold the scenario's object");
   add_value(command, "--force-sensor SOURCE...", request.sensors,
@@ -204,7 +206,8 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
   }
   options.rows = output;
   catch_signals();
-  const dvrk::BoardCooperationRun done = dvrk::run_on_boards(scenario, arms, options, stop_requested());
+  const dvrk::BoardCooperationRun done =
+      dvrk::run_on_boards(scenario, arms, options, stop_requested());
   if (!output.empty()) write_scenario_rows(done.run, output);
   if (!common.json.empty()) write_file(common.json, boards_json(done, scenario));
   if (!common.report.empty())

@@ -28,7 +28,8 @@ struct StabilityRequest {
 // The scenario with a setting such as "stiffness=1e4"; a usage error of --set for another form.
 Scenario with_setting(Scenario scenario, const std::string& word) {
   const auto equals = word.find('=');
-  expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word, "', expected NAME=VALUE.");
+  expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word,
+               "', expected NAME=VALUE.");
   const std::optional<double> value = number_in(word.substr(equals + 1));
   expect_value(value && std::isfinite(*value), "--set", "found '", word,
                "', expected NAME=VALUE with a number.");

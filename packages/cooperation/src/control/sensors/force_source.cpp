@@ -115,7 +115,8 @@ class SerialForceSource final : public ForceSource {
 };
 #endif
 
-std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud, LoadCellFormat format) {
+std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud,
+                                         LoadCellFormat format) {
 #ifdef VERIDYN_WITH_SERIALPORT
   if (is_listed_port(device)) return std::make_unique<SerialForceSource>(device, baud, format);
 #endif

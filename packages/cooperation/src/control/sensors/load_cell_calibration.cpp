@@ -20,7 +20,8 @@ struct Weight {
 
 }  // namespace
 
-LoadCellCalibration calibrate_load_cell(const std::vector<double>& force, const std::vector<double>& raw) {
+LoadCellCalibration calibrate_load_cell(const std::vector<double>& force,
+                                        const std::vector<double>& raw) {
   require(force.size() == raw.size(), "load cell: found ", force.size(), " forces and ", raw.size(),
           " readings, expected as many.");
   std::map<double, Weight> weights;
@@ -31,7 +32,8 @@ LoadCellCalibration calibrate_load_cell(const std::vector<double>& force, const 
     w.sum += raw[k];
     ++w.count;
   }
-  require(weights.size() >= 2, "load cell: found ", weights.size(), " different forces, expected two or more.");
+  require(weights.size() >= 2, "load cell: found ", weights.size(),
+          " different forces, expected two or more.");
   for (std::size_t k = 0; k < force.size(); ++k) {
     Weight& w = weights[force[k]];
     w.squares += (raw[k] - w.mean()) * (raw[k] - w.mean());

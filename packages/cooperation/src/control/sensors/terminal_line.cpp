@@ -77,7 +77,8 @@ class TerminalLine final : public ForceSource {
 
 }  // namespace
 
-std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud, LoadCellFormat format) {
+std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud,
+                                                LoadCellFormat format) {
   return std::make_unique<TerminalLine>(device, baud, format);
 }
 

@@ -54,6 +54,7 @@ class WaitingBytes {
 /// A serial line through the terminal interface of the system: for devices that libserialport does not list,
 /// such as pseudo-terminals and Bluetooth lines, and for builds without that library.
 /// @throws InvalidInput  it cannot be opened, is no terminal, or does not support the speed.
-std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud, LoadCellFormat format);
+std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud,
+                                                LoadCellFormat format);
 
 }  // namespace veridyn

@@ -14,7 +14,8 @@ void Names::add(const std::string& name, const YamlNode& node) {
 }
 
 int Names::index(const YamlNode& node) const {
-  const std::string name = node.word("the name of " + std::string(what == "arm" ? "an " : "a ") + what);
+  const std::string name =
+      node.word("the name of " + std::string(what == "arm" ? "an " : "a ") + what);
   const auto at = std::find(all.begin(), all.end(), name);
   if (at == all.end())
     node.fail("no " + what + " " + node.found() + did_you_mean(name, all),

@@ -52,7 +52,8 @@ void read_settings(const YamlNode& node, TeleoperationScenario& out) {
     const auto phase = std::find_if(out.scenario.phases.begin(), out.scenario.phases.end(), has_name);
     if (phase == out.scenario.phases.end() || std::any_of(phase + 1, out.scenario.phases.end(), has_name))
       entry.key_node.fail(entry.key_node.found(), "the name of one phase");
-    out.steps[phase - out.scenario.phases.begin()] = read_step(entry.value, phase->duration);
+    out.steps[phase - out.scenario.phases.begin()] =
+        read_step(entry.value, phase->duration);
   }
 }
 

@@ -38,7 +38,8 @@ Scenario contact_scenario(const std::string& path, const StabilityModelOptions& 
   const MotionLimits limits = motion_limits(model);
   arm.start = 0.5 * (limits.lower + limits.upper);
   if (!options.pose.empty()) {
-    arm.start = Eigen::Map<const VectorXd>(options.pose.data(), static_cast<Eigen::Index>(options.pose.size()));
+    arm.start = Eigen::Map<const VectorXd>(options.pose.data(),
+                                           static_cast<Eigen::Index>(options.pose.size()));
   }
   check_arm(arm, model);
   s.arms.push_back(arm);

@@ -36,7 +36,8 @@ std::vector<std::pair<double, double>> eigenvalues(const MatrixXd& A) {
 
 // Scaling and squaring of a Taylor series: [A B; 0 0] t to a norm below a quarter, where 12 terms
 // leave errors below 1e-16.
-void discretise(const MatrixXd& A, const MatrixXd& B, double t, MatrixXd& transition, MatrixXd& input) {
+void discretise(const MatrixXd& A, const MatrixXd& B, double t, MatrixXd& transition,
+                MatrixXd& input) {
   const Eigen::Index n = A.rows();
   const Eigen::Index m = B.cols();
   MatrixXd whole = MatrixXd::Zero(n + m, n + m);

@@ -63,7 +63,8 @@ class TurnedLoop {
     MatrixXd one(2 * n, 2 * n);
     for (const CycleRow& row : rows_) {
       const auto i = static_cast<size_t>(row.kind);
-      one.topLeftCorner(n, n) = one.bottomRightCorner(n, n) = without_[i] + std::cos(phase) * readings_[i];
+      one.topLeftCorner(n, n) = one.bottomRightCorner(n, n) =
+          without_[i] + std::cos(phase) * readings_[i];
       one.topRightCorner(n, n) = std::sin(phase) * readings_[i];
       one.bottomLeftCorner(n, n) = -one.topRightCorner(n, n);
       product = ((row.count == 1 ? one : power(one, row.count)) * product).eval();
@@ -79,7 +80,8 @@ class TurnedLoop {
 
 }  // namespace
 
-double loop_radius(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings) {
+double loop_radius(const LinearPoint& point, const Scenario& scenario,
+                   const LoopSettings& settings) {
   const auto radius = [&](const LoopSettings& s) {
     const ClosedLoop loop(point, scenario, s);
     return radius_per_cycle(spectral_radius(loop.map()), loop.hyperperiod());
@@ -94,7 +96,8 @@ double loop_radius(const LinearPoint& point, const Scenario& scenario, const Loo
   return worst;
 }
 
-double first_crossing(const std::function<double(double)>& radius, double begin, double end, int steps) {
+double first_crossing(const std::function<double(double)>& radius, double begin, double end,
+                      int steps) {
   const double ratio = std::pow(end / begin, 1.0 / steps);
   double last = begin;
   for (int k = 1; k <= steps; ++k) {

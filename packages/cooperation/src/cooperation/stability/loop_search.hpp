@@ -9,7 +9,8 @@ namespace veridyn {
 
 /// Largest modulus of the eigenvalues per cycle of the loop at an equilibrium. A law with a
 /// deadband acts with any share of its integral gain: the worst of several shares is returned.
-double loop_radius(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings = {});
+double loop_radius(const LinearPoint& point, const Scenario& scenario,
+                   const LoopSettings& settings = {});
 
 /// Modulus per cycle above which the loop is unstable: one, plus the rounding of eigenvalues.
 constexpr double kUnstable = 1.0 + 1e-9;
@@ -19,7 +20,8 @@ constexpr double kSoftest = 1.0, kStiffest = 1e7;
 
 /// Value at which `radius` changes from stable (at most kUnstable) to unstable, searched from `begin` to
 /// `end` by equal ratios, then by bisection; `end` if there is none.
-double first_crossing(const std::function<double(double)>& radius, double begin, double end, int steps);
+double first_crossing(const std::function<double(double)>& radius, double begin, double end,
+                      int steps);
 
 /// True if the loop is stable for phase lags of the readings up to this one [rad], in steps of 5 degrees or less.
 bool stable_up_to_phase(const LinearPoint& point, const Scenario& scenario, double phase);

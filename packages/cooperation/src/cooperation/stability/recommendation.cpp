@@ -32,7 +32,8 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
   const bool gives = std::any_of(
       scenario.members.begin(), scenario.members.end(), [&](const ScenarioMember& m) {
         const auto is = [&](int arm) {
-          return arm != scenario.master && scenario.arms[arm].control == ArmControl::kImpedance;
+          return arm != scenario.master &&
+                 scenario.arms[arm].control == ArmControl::kImpedance;
         };
         return is(m.from) || is(m.to);
       });

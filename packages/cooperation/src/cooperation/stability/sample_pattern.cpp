@@ -30,7 +30,8 @@ Fraction nearby_fraction(double ratio) {
   double error = std::numeric_limits<double>::infinity();
   for (long below = 1; below <= kOwnPattern; ++below) {
     const long above = std::max(1L, std::lround(ratio * static_cast<double>(below)));
-    const double off = std::abs(static_cast<double>(above) / static_cast<double>(below) - ratio);
+    const double off =
+        std::abs(static_cast<double>(above) / static_cast<double>(below) - ratio);
     if (off < error - 1e-12) {
       error = off;
       best = {above, below};

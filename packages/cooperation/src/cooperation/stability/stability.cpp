@@ -227,7 +227,8 @@ StabilityMap map_stability(const Scenario& scenario, const ParameterRange& a,
     const Scenario row = with_parameter(scenario, b.name, out.b_values[j]);
     for (std::size_t i = 0; i < columns; ++i) {
       const std::size_t k = i + columns * static_cast<size_t>(j);
-      out.radius[k] = radius_with_deadbands(worst, with_parameter(row, a.name, out.a_values[i]));
+      out.radius[k] =
+          radius_with_deadbands(worst, with_parameter(row, a.name, out.a_values[i]));
       out.stable[k] = out.radius[k] <= kUnstable ? 1 : 0;
     }
   });

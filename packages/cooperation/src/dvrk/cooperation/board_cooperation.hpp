@@ -141,7 +141,8 @@ struct LaterFault {
 };
 
 /// One line for each arm and each later fault, for reports.
-std::string faults_text(const std::vector<ArmAfterFault>& arms, const std::vector<LaterFault>& later);
+std::string faults_text(const std::vector<ArmAfterFault>& arms,
+                              const std::vector<LaterFault>& later);
 /// "power is off", or that it is not confirmed for these arms.
 std::string power_text(OffState power, const std::string& not_off);
 

@@ -280,7 +280,8 @@ bool BoardLoop::power_up(std::vector<Sensor>& sensors) {
         side->act(TipTarget{}, Eigen::Vector3d::Zero(), 0.0, dt_);
       }
     });
-    if (std::all_of(sides_.begin(), sides_.end(), [](const auto& side) { return side->session().ready(); })) {
+    if (std::all_of(sides_.begin(), sides_.end(),
+                    [](const auto& side) { return side->session().ready(); })) {
       timing_ = {};
       time_ = 0.0;
       return true;

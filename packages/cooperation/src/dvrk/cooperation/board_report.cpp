@@ -41,7 +41,8 @@ EmulatedFault parse_emulated_fault(const std::string& words, const Scenario& sce
   return fault;
 }
 
-std::string faults_text(const std::vector<ArmAfterFault>& arms, const std::vector<LaterFault>& later) {
+std::string faults_text(const std::vector<ArmAfterFault>& arms,
+                              const std::vector<LaterFault>& later) {
   std::string out;
   for (const LaterFault& one : later) out += fmt::format("At {:.4g} s also: {}.\n", one.at, one.what);
   for (const ArmAfterFault& arm : arms) {
@@ -57,7 +58,8 @@ std::string faults_text(const std::vector<ArmAfterFault>& arms, const std::vecto
 
 std::string power_text(OffState power, const std::string& not_off) {
   if (power == OffState::kConfirmed || power == OffState::kNotAsked) return describe(power);
-  return fmt::format("power off is NOT CONFIRMED ({}: {}): press the emergency stop", not_off, describe(power));
+  return fmt::format("power off is NOT CONFIRMED ({}: {}): press the emergency stop", not_off,
+                     describe(power));
 }
 
 std::string BoardCooperationRun::report() const {

@@ -117,7 +117,8 @@ void BoardSide::read(double now) noexcept {
   if (loop_) loop_->measure(q_);
 }
 
-void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, double age, double dt) noexcept {
+void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
+                    double dt) noexcept {
   if (!valid_ || !session_.ready()) return;
   state_.update(q_, dq_);
   touch_.update(state_, tau_, rest_, dt);
@@ -128,7 +129,8 @@ void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, dou
   loop_->set_sent_torques(tau_);
 }
 
-void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, double age, double dt) noexcept {
+void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, double age,
+                      double dt) noexcept {
   if (!valid_ || !session_.ready()) return;
   state_.update(q_, dq_);
   const double now = link_->now();

@@ -142,7 +142,8 @@ class TeleoperationLoop : private BoardLoop {
       hand_->move_to(goal_, step.over);
       tele_->clutch(step.clutch);
       const Eigen::Index first = row_;
-      const auto cycles = static_cast<Eigen::Index>(std::lround(scenario_.phases[p].duration / period_));
+      const auto cycles =
+          static_cast<Eigen::Index>(std::lround(scenario_.phases[p].duration / period_));
       for (Eigen::Index k = 0; k < cycles && why_ == nullptr; ++k) {
         cycle([this] { work(); });
         record();
@@ -183,7 +184,8 @@ class TeleoperationLoop : private BoardLoop {
     follower().set_held((why_ != nullptr || holds_) && !follower().loop().yields());
     watch_hold();
     follower().act(tele_->follower(), force, force_.age, dt_);
-    const Vector3d in_base = leader().models().R_world_base_known.transpose() * tele_->leader_force();
+    const Vector3d in_base =
+        leader().models().R_world_base_known.transpose() * tele_->leader_force();
     leader().drive(loop_->torque(leader().q(), leader().dq(), in_base), Vector3d::Zero(), 0.0, dt_);
     if (joined_) activate_fault();
   }
@@ -222,7 +224,8 @@ class TeleoperationLoop : private BoardLoop {
     const MatrixXd error = rows_.block(first, 4, count, 3) - rows_.block(first, 7, count, 3);
     out_.tracking_rms.push_back(std::sqrt(error.squaredNorm() / static_cast<double>(count)));
     out_.tracking_largest.push_back(error.rowwise().norm().maxCoeff());
-    const MatrixXd ways = rows_.block(first, 7, count, 3).rowwise() - rows_.block(first, 7, 1, 3).row(0);
+    const MatrixXd ways =
+        rows_.block(first, 7, count, 3).rowwise() - rows_.block(first, 7, 1, 3).row(0);
     out_.follower_moved.push_back(ways.rowwise().norm().maxCoeff());
     const Eigen::Index last = std::max<Eigen::Index>(1, count / 5);
     out_.force_follower.push_back(rows_.block(end - last, 10, last, 1).mean());

@@ -94,7 +94,8 @@ void LiveHand::plan_line(const std::string& line, const Shown& now) {
 }
 
 std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
-  MotionPlan::State state = plan_->state_during_run(now.plan->control, now.plan->seen, now.plan->q);
+  MotionPlan::State state =
+      plan_->state_during_run(now.plan->control, now.plan->seen, now.plan->q);
   if (state.control.state() != CooperativeState::kTracking) return "";  // targets are held: the command is ignored
   if (const auto* jog = std::get_if<LiveJog>(&command))
     return plan_->jog(std::move(state), jog->velocity, options_.silence);
@@ -120,7 +121,8 @@ void LiveHand::report_state() {
   const Shown now = shown();
   if (!now.plan || (told_ && now.time < *told_ + options_.tell)) return;
   told_ = now.time;
-  std::string line = fmt::format("t={:.3f} state=\"{}\"", now.time, describe(now.plan->control.state()));
+  std::string line =
+      fmt::format("t={:.3f} state=\"{}\"", now.time, describe(now.plan->control.state()));
   const CooperativeInput& seen = now.plan->seen;
   for (std::size_t k = 0; k < seen.position.size(); ++k)
     line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name, seen.position[k].x(),
@@ -130,7 +132,8 @@ void LiveHand::report_state() {
   report_.state(line);
 }
 
-void LiveHand::apply(const LiveCommand& command, double time, CooperativeController& control) noexcept {
+void LiveHand::apply(const LiveCommand& command, double time,
+                    CooperativeController& control) noexcept {
   heard_ = time;
   began_ = true;
   if (std::holds_alternative<LiveAlive>(command)) return;

@@ -17,6 +17,7 @@ std::string to_json(const ScenarioSweepResult& sweep, const Scenario& scenario);
 /// The same as one HTML page, with plots over time, or the map.
 /// @param command  command line of the run.
 std::string to_page(const ScenarioRun& run, const Scenario& scenario, const std::string& command);
-std::string to_page(const ScenarioSweepResult& sweep, const Scenario& scenario, const std::string& command);
+std::string to_page(const ScenarioSweepResult& sweep, const Scenario& scenario,
+                    const std::string& command);
 
 }  // namespace veridyn

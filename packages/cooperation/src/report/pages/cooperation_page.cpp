@@ -118,7 +118,8 @@ std::string to_page(const ScenarioRun& run, const Scenario& scenario, const std:
                    cooperation_file("script.js"));
 }
 
-std::string to_page(const ScenarioSweepResult& sweep, const Scenario& scenario, const std::string& command) {
+std::string to_page(const ScenarioSweepResult& sweep, const Scenario& scenario,
+                    const std::string& command) {
   return html_page(sweep.name + ": stable region", to_json(sweep, scenario), series_of(command),
                    sweep.report(), cooperation_file("script.js"));
 }

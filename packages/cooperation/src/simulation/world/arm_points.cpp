@@ -54,7 +54,8 @@ void ArmPoints::add_force(int frame, const Eigen::Vector3d& offset, const Eigen:
   const Vec3d in_link = rotate_back(T_world_[k].R, from_eigen(force));
   const Vec3d at = from_eigen(offset);
   for (int m = link.first_support; m < link.end_support; ++m) {
-    tau[tree_.supports[m].coordinate] += share * dot(point_acceleration(recursion_.jacobian[m], at), in_link);
+    tau[tree_.supports[m].coordinate] +=
+        share * dot(point_acceleration(recursion_.jacobian[m], at), in_link);
   }
 }
 

@@ -98,7 +98,8 @@ void World::State::check() const {
             " N/m^2, expected none.");
     require_damping(w.damping, "wall");
     require_damping(w.drag, "wall");
-    require(std::abs(w.normal.norm() - 1.0) < 1e-9, "world: found a wall whose normal is not of length one.");
+    require(std::abs(w.normal.norm() - 1.0) < 1e-9,
+            "world: found a wall whose normal is not of length one.");
   }
   for (const HeldBody& b : objects.bodies) {
     require_positive(b.mass, "a mass", "body");
@@ -163,7 +164,8 @@ int World::State::choose_substeps(double dt) {
     for (const Member& m : objects.members) add(m.stiffness, m.damping, of(m.from) + of(m.to));
     for (const Wall& w : objects.walls) {
       const double depth = kAhead - w.normal.dot(point(w.touches).position - w.point);
-      add(w.stiffness + 2.0 * w.stiffening * std::max(0.0, depth), w.damping + w.drag, of(w.touches));
+      add(w.stiffness + 2.0 * w.stiffening * std::max(0.0, depth), w.damping + w.drag,
+          of(w.touches));
     }
     for (const HeldBody& b : objects.bodies) {
       for (const HeldBody::Grasp& g : b.grasps) {

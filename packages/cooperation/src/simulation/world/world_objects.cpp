@@ -37,7 +37,8 @@ void World::State::add_members(double share, double h) {
     const Eigen::Vector3d line = to.position - from.position;
     MemberState& now = members[k];
     now.length = line.norm();
-    const Eigen::Vector3d u = now.length > 0.0 ? Eigen::Vector3d(line / now.length) : Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d u =
+        now.length > 0.0 ? Eigen::Vector3d(line / now.length) : Eigen::Vector3d::UnitX();
     now.rate = u.dot(to.velocity - from.velocity);
     now.tension = tension(m, now.length, now.rate);
     push(m.from, now.tension * u, share);

@@ -77,9 +77,12 @@ void run(const DvrkConfigRequest& request) {
 
 void add_dvrk_config(CLI::App& dvrk) {
   const auto request = std::make_shared<DvrkConfigRequest>();
-  CLI::App& command = *dvrk.add_subcommand("config", "Check a configuration, convert it between XML and JSON");
-  add_value(command, "--config FILE", request->config, "sawRobotIO1394 file, XML (version 5) or JSON");
-  add_value(command, "--arm NAME", request->arm, "Nominal configuration of a known arm, instead of --config");
+  CLI::App& command =
+      *dvrk.add_subcommand("config", "Check a configuration, convert it between XML and JSON");
+  add_value(command, "--config FILE", request->config,
+            "sawRobotIO1394 file, XML (version 5) or JSON");
+  add_value(command, "--arm NAME", request->arm,
+            "Nominal configuration of a known arm, instead of --config");
   add_output_option(command, "-o,--output", request->output,
                     "Write the configuration; the ending of the file name decides the format")
       ->option_text("FILE.xml|FILE.json");

@@ -119,7 +119,8 @@ std::vector<EmulatedArm> read_emulated_arms(const DvrkRequest& request) {
 std::vector<std::uint8_t> instrument_chip_bytes(const DvrkRequest& request, int board) {
   for (const std::string& words : request.chips) {
     const auto equals = words.find('=');
-    expect_value(equals != std::string::npos, "--instrument-chip", "found '", words, "', expected BOARD=FILE");
+    expect_value(equals != std::string::npos, "--instrument-chip", "found '", words,
+                 "', expected BOARD=FILE");
     if (words.substr(0, equals) != std::to_string(board)) continue;
     const std::string content = content_of_file(words.substr(equals + 1), "the bytes of an instrument's chip");
     std::vector<std::uint8_t> bytes(content.begin(), content.end());
@@ -132,7 +133,8 @@ std::vector<std::uint8_t> instrument_chip_bytes(const DvrkRequest& request, int 
 }
 
 // Setups of all boards that the arms use, in the order of their ids.
-std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request, const std::vector<EmulatedArm>& arms) {
+std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
+                                        const std::vector<EmulatedArm>& arms) {
   std::set<int> ids;
   for (const EmulatedArm& arm : arms) {
     for (const int id : dvrk::boards_of(arm.of.robot)) ids.insert(id);

@@ -71,7 +71,8 @@ void report_timing(const dvrk::LoopTiming& timing, const DvrkRequest& request) {
 }
 
 // Options of a command that only reads: it does not home; by registers at no rate of its own.
-dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkArm& arm, dvrk::Access access) {
+dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkArm& arm,
+                                        dvrk::Access access) {
   dvrk::ArmSessionOptions options = session_options(request, arm);
   options.access = access;
   options.homing = dvrk::Homing::kNever;

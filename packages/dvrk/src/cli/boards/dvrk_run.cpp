@@ -77,7 +77,8 @@ void require_inputs(const DvrkRequest& request) {
                "found --gains beside it, expected one of them");
   expect_value(!plays || !request.trajectory.empty(), "--trajectory",
                "expected a motion for --controller ", name);
-  expect_value(pid || !request.model.empty(), "--model", "--controller ", name, " needs a model with values");
+  expect_value(pid || !request.model.empty(), "--model", "--controller ", name,
+               " needs a model with values");
 }
 
 // Controller of the request; null for PID.
@@ -98,7 +99,8 @@ std::unique_ptr<dvrk::ModelController> make_controller(const DvrkRequest& reques
   if (!request.gains.empty() && options.law == dvrk::ControlLaw::kImpedance)
     options.tip_gains = read_tip_gains(request.gains);
   if (!request.tip.empty()) expect_one_of("--tip", request.tip, frame_names(model));
-  auto controller = std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
+  auto controller =
+      std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
   for (const std::string& effect : controller->left_out())
     print_message("the controller leaves out " + effect);
   return controller;
@@ -143,7 +145,8 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   ArmSession session(link, arm.robot, session_options(request, arm));
   const auto controller = make_controller(request, gains, session);
   catch_signals();
-  const std::vector<std::string> refused = request.emulate ? std::vector<std::string>() : prepare_loop();
+  const std::vector<std::string> refused =
+      request.emulate ? std::vector<std::string>() : prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_requested())

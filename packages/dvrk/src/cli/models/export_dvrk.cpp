@@ -68,7 +68,8 @@ void print_gravity(const dvrk::GravityChain& chain) {
 
 // Compares reported efforts with the rows: root mean square of the residual and of the efforts.
 void print_static_torques(const dvrk::GravityChain& chain, const dvrk::StaticTorques& measured, const std::string& path) {
-  const auto n = std::min<Eigen::Index>(measured.q.cols(), static_cast<Eigen::Index>(chain.rows.size()));
+  const auto n =
+      std::min<Eigen::Index>(measured.q.cols(), static_cast<Eigen::Index>(chain.rows.size()));
   VectorXd rest = VectorXd::Zero(n);
   VectorXd all = VectorXd::Zero(n);
   for (Eigen::Index s = 0; s < measured.q.rows(); ++s) {

@@ -94,7 +94,8 @@ ArmActuator read_actuator(const YamlNode& node) {
   return actuator;
 }
 
-void read_brake(const YamlNode& node, const std::vector<int>& boards, std::vector<ArmActuator>& actuators) {
+void read_brake(const YamlNode& node, const std::vector<int>& boards,
+                std::vector<ArmActuator>& actuators) {
   node.allow_keys({"actuator", "board", "axis", "release", "release_time", "released", "engaged"});
   const int which = read_integer(node.at("actuator"), 0, static_cast<int>(actuators.size()) - 1);
   if (actuators[which].brake) node.at("actuator").fail(text("a second brake of actuator ", which), "one for each");
@@ -188,7 +189,8 @@ class ArmFile {
       if (facts.boards.size() != 2)
         arm.at("boards").fail(arm.at("boards").found(), "two board ids");
       const YamlNode list = arm.at("directions");
-      const std::vector<double> directions = list.numbers(facts.actuators.size(), "1 or -1 for every actuator");
+      const std::vector<double> directions =
+          list.numbers(facts.actuators.size(), "1 or -1 for every actuator");
       for (std::size_t k = 0; k < directions.size(); ++k) {
         if (std::abs(directions[k]) != 1.0) list.fail(text(directions[k]), "1 or -1");
         facts.actuators[k].direction = directions[k];

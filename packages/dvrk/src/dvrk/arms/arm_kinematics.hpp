@@ -108,7 +108,8 @@ class MtmKinematics {
   /// the limits nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
   /// arm is stretched two solutions meet, and errors grow to the square root of rounding (1e-8
   /// rad).
-  InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist, const Eigen::Vector3d& near) const noexcept;
+  InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist,
+                                      const Eigen::Vector3d& near) const noexcept;
 
   /// All joints; the platform stays at near[3]. Singular also where wrist yaw is at +-90 degrees
   /// (wrist pitch is then taken from `near`).

@@ -123,7 +123,8 @@ void ArmUnits::convert_currents(ArmCommand& command) noexcept {
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const LinearScale& to_bits = actuators_[k].amps_to_bits;
-    command.bits[k] = nearest_word(to_bits(command.current[i]), nearest_word(to_bits.offset, 0x8000));
+    command.bits[k] =
+        nearest_word(to_bits(command.current[i]), nearest_word(to_bits.offset, 0x8000));
     effort_[i] = command.current[i] / actuators_[k].effort_to_amps;
   }
   command.tau.noalias() = joint_torque_ * effort_;

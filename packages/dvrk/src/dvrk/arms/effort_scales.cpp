@@ -23,7 +23,8 @@ void correct_scale(const Coordinate& coordinate, EffortScale& scale) {
 
 }  // namespace
 
-std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm, const RobotConfig& robot) {
+std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm,
+                                          const RobotConfig& robot) {
   require(robot.actuators.size() == arm.actuators.size(), "robot '", robot.name, "': found ",
           robot.actuators.size(), " actuators, expected ", arm.actuators.size(), " of a ", arm.kind,
           ".");
@@ -50,7 +51,8 @@ std::string to_scales_json(const std::string& arm, const std::vector<EffortScale
                   {"before", scale.before},
                   {"source", scale.source.empty() ? "unchanged" : scale.source}};
     if (scale.std_scale > 0.0) notes["std"] = scale.std_scale;
-    actuators.push_back({{"drive", {{"effort_to_current", {{"scale", scale.scale}}}}}, {"veridyn", notes}});
+    actuators.push_back(
+        {{"drive", {{"effort_to_current", {{"scale", scale.scale}}}}}, {"veridyn", notes}});
   }
   const Json file = {{"robots", Json::array({{{"name", arm}, {"actuators", actuators}}})}};
   return file.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

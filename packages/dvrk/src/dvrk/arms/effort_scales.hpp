@@ -25,7 +25,8 @@ struct EffortScale {
 /// A recorded torque gain of 1.1 means that reported efforts are 10 % too high, so that an ampere
 /// gives less than the configuration says.
 /// @throws InvalidInput  the configuration has another number of actuators than the arm.
-std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm, const RobotConfig& robot);
+std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& arm,
+                                          const RobotConfig& robot);
 
 /// {"robots": [{"name", "actuators": [{"drive": {"effort_to_current": {"scale"}}, ...}]}]}: the members of a
 /// JSON configuration, and next to them their origin.

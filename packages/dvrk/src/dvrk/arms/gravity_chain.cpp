@@ -87,10 +87,12 @@ class Sampler {
       const double lower = std::max(own.lower, facts.lower);
       const double upper = std::min(own.upper, facts.upper);
       const bool overlap = lower < upper;
-      q_chain[match_.rows[k]] = random.uniform(overlap ? lower : facts.lower, overlap ? upper : facts.upper);
+      q_chain[match_.rows[k]] =
+          random.uniform(overlap ? lower : facts.lower, overlap ? upper : facts.upper);
       q[match_.coordinates[k]] = q_chain[match_.rows[k]];
     }
-    const VectorXd tau = inverse_dynamics(model_, q, VectorXd::Zero(q.size()), VectorXd::Zero(q.size()));
+    const VectorXd tau =
+        inverse_dynamics(model_, q, VectorXd::Zero(q.size()), VectorXd::Zero(q.size()));
     const VectorXd rest = VectorXd::Zero(q_chain.size());
     const MatrixXd Y = torque_regressor(chain_, q_chain, rest, rest);
     for (std::size_t k = 0; k < match_.rows.size(); ++k) {

@@ -130,7 +130,8 @@ StaticTorques read_static_torques(const std::string& path) {
   require(!values.empty(), path, ": found no rows of numbers, expected positions and efforts.");
   const auto n = static_cast<Eigen::Index>(columns.q.size());
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::Map<const Rows> all(values.data(), static_cast<Eigen::Index>(values.size()) / (2 * n), 2 * n);
+  const Eigen::Map<const Rows> all(values.data(),
+                                   static_cast<Eigen::Index>(values.size()) / (2 * n), 2 * n);
   return {all.leftCols(n), all.rightCols(n)};
 }
 

@@ -42,7 +42,8 @@ inline void require_form(const ArmFacts& arm, const std::vector<ExpectedRow>& ro
 inline Eigen::Matrix4d inverse_pose(const Eigen::Matrix4d& T) {
   Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();
   inverse.topLeftCorner<3, 3>() = T.topLeftCorner<3, 3>().transpose();
-  inverse.topRightCorner<3, 1>() = -(T.topLeftCorner<3, 3>().transpose() * T.topRightCorner<3, 1>());
+  inverse.topRightCorner<3, 1>() =
+      -(T.topLeftCorner<3, 3>().transpose() * T.topRightCorner<3, 1>());
   return inverse;
 }
 

@@ -33,7 +33,8 @@ Eigen::Vector3d unit_component_across(const Eigen::Vector3d& v, const Eigen::Vec
   const Eigen::Vector3d part = v - v.dot(n) * n;
   const double length = part.norm();
   if (length > 1e-6) return part / length;
-  const Eigen::Vector3d other = std::abs(n.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d other =
+      std::abs(n.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   return (other - other.dot(n) * n).normalized();
 }
 
@@ -123,7 +124,8 @@ InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
   Joints q;
   shaft_angles(u, near[0], q[0], q[1], singular);
   q[2] = length + remote_ - shaft_;
-  const Eigen::Vector3d x4_3 = shaft_orientation(q[0], q[1]).transpose() * T_base_tip.block<3, 1>(0, 0);
+  const Eigen::Vector3d x4_3 =
+      shaft_orientation(q[0], q[1]).transpose() * T_base_tip.block<3, 1>(0, 0);
   q[3] = std::atan2(x4_3.y(), x4_3.x());
   choice.add_candidate(q, singular);
   return choice.best();

@@ -74,7 +74,8 @@ void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
     const double celsius = f.temperature.celsius(sensor);
     if (valid && celsius <= options_.warm) continue;
     const bool hot = valid && celsius > options_.hot;
-    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, {}, f.temperature.word);
+    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, {},
+         f.temperature.word);
   }
 }
 

@@ -45,7 +45,8 @@ void BoardBus::find_hub() {
     exchange_.write(hub, address::kIpAddress, link_.address_word());
     link_.wait(kAfterIpAddress);
   }
-  const ReadResult answer = exchange_.read(hub, address::kHardware, options_.reply_timeout, hardware);
+  const ReadResult answer =
+      exchange_.read(hub, address::kHardware, options_.reply_timeout, hardware);
   require(answer != ReadResult::kNotSent, "boards: the link cannot send.");
   require(answer == ReadResult::kOk, "boards: no board answers",
           writes ? "." : ". Boards that were just switched on need --announce once.");

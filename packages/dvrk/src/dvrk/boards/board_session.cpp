@@ -169,7 +169,8 @@ void BoardSession::set_command(int b, int c, double bits) noexcept {
 void BoardSession::command_off(int b) noexcept {
   BoardCommand& command = bus_.command(b);
   for (int c = 0; c < kChannels; ++c) {
-    command.channel[c] = {true, false, AmpRequest::kOff, 0, safety(b, c).zero_command};
+    command.channel[c] = {true, false, AmpRequest::kOff, 0,
+                                               safety(b, c).zero_command};
   }
   command.control = control::kAmpsOff;
   if (power_off_asked_ && off_cycles_ >= kAmpsFirst) command.control |= control::kPowerOff;

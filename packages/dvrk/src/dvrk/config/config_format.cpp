@@ -103,7 +103,8 @@ class Lines {
 constexpr int kDeepest = 30;
 
 void require_depth(int depth, const std::string& file) {
-  require(depth < kDeepest, file, ": found elements nested ", depth, " deep, expected a configuration.");
+  require(depth < kDeepest, file, ": found elements nested ", depth,
+          " deep, expected a configuration.");
 }
 
 // Tree of an XML element; throws InvalidInput if it is nested deeper than 30.
@@ -126,7 +127,8 @@ ConfigTree tree_of(const pugi::xml_node& node, const Lines& lines, const std::st
   return tree;
 }
 
-ConfigTree tree_of(const std::string& name, const Json& value, const std::string& file, int depth = 0) {
+ConfigTree tree_of(const std::string& name, const Json& value, const std::string& file,
+                   int depth = 0) {
   require_depth(depth, file);
   ConfigTree tree;
   tree.written = name;
@@ -172,7 +174,8 @@ std::string position_text(const std::string& content, std::size_t at, const std:
 }
 
 bool is_name_character(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' || c == '_';
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '+' || c == '-' ||
+         c == '_';
 }
 
 // Start of the word that contains a character.

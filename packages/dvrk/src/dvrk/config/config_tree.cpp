@@ -44,7 +44,8 @@ void collect_unused(const ConfigTree& tree, const ConfigSource& source, const st
 void ConfigNode::fail(const std::string& found, const std::string& expected) const {
   const std::string line = tree_->line > 0 ? text(":", tree_->line) : "";
   const std::string place = place_.empty() ? "" : place_ + ": ";
-  throw InvalidInput(text(source_->file, line, ": ", place, "found ", found, ", expected ", expected, "."));
+  throw InvalidInput(
+      text(source_->file, line, ": ", place, "found ", found, ", expected ", expected, "."));
 }
 
 std::string ConfigNode::display_name(const std::string& name) const {
@@ -137,7 +138,8 @@ bool ConfigNode::flag(const std::string& name, bool fallback) const {
   return choice(name, {"false", "true", "0", "1"}, fallback ? 1 : 0) % 2 == 1;
 }
 
-int ConfigNode::choice(const std::string& name, const std::vector<std::string>& words, int fallback) const {
+int ConfigNode::choice(const std::string& name, const std::vector<std::string>& words,
+                       int fallback) const {
   if (!has(name)) return fallback;
   const std::string given = word(name);
   for (std::size_t k = 0; k < words.size(); ++k)

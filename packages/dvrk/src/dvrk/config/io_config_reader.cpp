@@ -91,10 +91,12 @@ class Reader {
     robot.name = node.word("Name");
     const std::vector<std::string> hardware{"QLA1", "DQLA", "dRA1"};
     node.word("HardwareVersion");
-    robot.hardware = hardware[node.choice("HardwareVersion", hardware, 0)];
+    robot.hardware =
+        hardware[node.choice("HardwareVersion", hardware, 0)];
     robot.serial = node.word("SN", "");
     if (node.has("BoardSerials")) read_board_serials(node.at("BoardSerials"), robot);
-    robot.io_only = json_ ? node.flag("OnlyIO", false) : node.choice("Type", {"robot", "io-only"}, 0) == 1;
+    robot.io_only =
+        json_ ? node.flag("OnlyIO", false) : node.choice("Type", {"robot", "io-only"}, 0) == 1;
     robot.has_encoder_preload = node.flag("HasEncoderPreload", true);
     node.number("NumOfJoint", 0.0);
     read_actuators(node, robot);
@@ -140,14 +142,16 @@ class Reader {
     node.number("ActuatorID", 0.0);
     actuator.board = board(node);
     actuator.axis = node.integer_in("AxisID", 0, hardware == "QLA1" ? 3 : 9);
-    actuator.prismatic = node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
+    actuator.prismatic =
+        node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
     if (!robot.io_only || node.has("Drive")) read_drive(node.at("Drive"), actuator);
     if (!robot.io_only || node.has("Encoder")) read_encoder(node.at("Encoder"), actuator);
     const ConfigNode pot = node.at("AnalogIn");
     actuator.bits_to_volts = read_scale(pot.at("BitsToVolts"));
     const ConfigNode volts = pot.at("VoltsToPosSI");
     const double unit = unit_factor(volts, actuator.prismatic, json_);
-    actuator.volts_to_position = {unit * volts.nonzero("Scale"), unit * volts.number("Offset", 0.0)};
+    actuator.volts_to_position = {unit * volts.nonzero("Scale"),
+                                  unit * volts.number("Offset", 0.0)};
     if (node.has("AnalogBrake")) actuator.brake = read_brake(node.at("AnalogBrake"), hardware);
     return actuator;
   }
@@ -175,7 +179,8 @@ class Reader {
     actuator.velocity_source =
         static_cast<VelocitySource>(node.choice("VelocitySource", {"FIRMWARE", "SOFTWARE"}, 0));
     const ConfigNode bits = node.at("BitsToPosSI");
-    actuator.bits_to_position = unit_factor(bits, actuator.prismatic, json_) * bits.nonzero("Scale");
+    actuator.bits_to_position =
+        unit_factor(bits, actuator.prismatic, json_) * bits.nonzero("Scale");
     const ConfigNode limits = node.at("PositionLimitsSoft");
     const double unit = unit_factor(limits, actuator.prismatic, json_);
     actuator.lower = unit * limits.number("Lower");
@@ -263,7 +268,8 @@ class Reader {
     const int flags = (node.flag("trigger_when_pressed", true) ? 1 : 0) +
                       (node.flag("trigger_when_released", true) ? 2 : 0);
     const int by_flags[] = {3, 1, 2, 0};
-    input.trigger = triggers[node.choice("Trigger", triggers, by_flags[flags])];
+    input.trigger =
+        triggers[node.choice("Trigger", triggers, by_flags[flags])];
     input.debounce = seconds(node, "Debounce", 0.0);
     input.debounce_click = seconds(node, "DebounceClick", 0.2 * input.debounce);
     input.skip_first_run = node.flag("SkipFirstRun", false);

@@ -65,7 +65,8 @@ EncoderMotion encoder_motion(const EncoderWords& words, double threshold) noexce
   const double velocity = direction(words.period) * 4.0 / P;
   const double acceleration = acceleration_per_tick2(words, threshold);
   const double predicted = predicted_per_tick(velocity, acceleration, P, ticks(words.running));
-  return {velocity * kEncoderClock, acceleration * kEncoderClock * kEncoderClock, predicted * kEncoderClock};
+  return {velocity * kEncoderClock, acceleration * kEncoderClock * kEncoderClock,
+          predicted * kEncoderClock};
 }
 
 }  // namespace veridyn::dvrk

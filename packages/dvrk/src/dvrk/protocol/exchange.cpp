@@ -153,7 +153,8 @@ void Exchange::count_request() noexcept {
   requests_ = lost_ = 0;
 }
 
-ReadResult Exchange::read(const Request& request, const Route& route, double timeout, Reply& reply) noexcept {
+ReadResult Exchange::read(const Request& request, const Route& route, double timeout,
+                          Reply& reply) noexcept {
   drain();
   if (!send(request, route)) return ReadResult::kNotSent;
   const double until = link_.now() + timeout;
@@ -183,7 +184,8 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
 ReadResult Exchange::read(const Route& route, std::uint16_t address, double timeout,
                           std::uint32_t& value) noexcept {
   Reply reply;
-  const ReadResult result = read(request(route, Tcode::kQuadletRead, address), route, timeout, reply);
+  const ReadResult result =
+      read(request(route, Tcode::kQuadletRead, address), route, timeout, reply);
   if (result == ReadResult::kOk) value = reply.data;
   return result;
 }

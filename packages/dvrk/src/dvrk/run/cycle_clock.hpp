@@ -114,7 +114,8 @@ class CycleClock {
     if (now - window_began_ < window) return;
     window_due_ = static_cast<long>((now - window_began_) / period_);
     window_had_ = window_cycles_;
-    persistently_late_ = static_cast<double>(window_had_) < kLeastShare * static_cast<double>(window_due_);
+    persistently_late_ =
+        static_cast<double>(window_had_) < kLeastShare * static_cast<double>(window_due_);
     window_cycles_ = 0;
     window_began_ = now;
   }

@@ -165,7 +165,8 @@ class BoardSession {
   void enter(PowerState state) noexcept;  ///< changes the state and restarts its time
   void escalate(Reaction reaction, Condition condition, std::optional<int> board = {},
              std::optional<int> channel = {}) noexcept;
-  void note(Condition condition, Reaction reaction, int b, std::optional<int> c, std::uint32_t value) noexcept;
+  void note(Condition condition, Reaction reaction, int b, std::optional<int> c,
+            std::uint32_t value) noexcept;
   void check_bus() noexcept;
   void check_board(int b) noexcept;  ///< all checks of a valid board except that of its relay
   void check_relay(int b, const BoardFeedback& f) noexcept;

@@ -50,6 +50,7 @@ std::uint32_t preload_word(std::int64_t counts) noexcept;
 ///
 /// with T the clock's tick and P, q1, q5, r the 26-bit times. All zero at rest (overflow) and after
 /// a change of direction.
-EncoderMotion encoder_motion(const EncoderWords& words, double threshold = kAccelerationThreshold) noexcept;
+EncoderMotion encoder_motion(const EncoderWords& words,
+                             double threshold = kAccelerationThreshold) noexcept;
 
 }  // namespace veridyn::dvrk

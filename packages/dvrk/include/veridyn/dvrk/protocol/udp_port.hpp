@@ -14,7 +14,8 @@ namespace veridyn {
 ///
 /// @param came  CLOCK_REALTIME; zero without a time stamp of the system.
 /// @returns as recvmsg(): number of bytes, truncated at the buffer's end, or -1.
-ssize_t receive_stamped(int socket, void* buffer, std::size_t room, sockaddr_in& from, timespec& came) noexcept;
+ssize_t receive_stamped(int socket, void* buffer, std::size_t room, sockaddr_in& from,
+                        timespec& came) noexcept;
 
 /// [s] since the arrival of a datagram, by its time stamp; 0 without one.
 double seconds_since(const timespec& came) noexcept;

@@ -51,7 +51,8 @@ CycleOptions cycle_of(const Model& model, const VectorXd& largest, const ModelCo
 JointGains joint_gains(int joints, const ModelControlOptions& options) {
   if (options.joint_gains) return *options.joint_gains;
   const double frequency = options.frequency;
-  return {VectorXd::Constant(joints, frequency * frequency), VectorXd::Constant(joints, 2.0 * frequency)};
+  return {VectorXd::Constant(joints, frequency * frequency),
+          VectorXd::Constant(joints, 2.0 * frequency)};
 }
 
 // The user's gains, or critical damping of tip_mass and stiffness in all directions.

@@ -46,7 +46,8 @@ std::string header(Eigen::Index joints) {
 // Appends a number with so many significant digits.
 void add(double value, int digits, std::string& line) {
   char number[40];
-  const auto end = std::to_chars(number, number + sizeof number, value, std::chars_format::general, digits);
+  const auto end =
+      std::to_chars(number, number + sizeof number, value, std::chars_format::general, digits);
   line.append(number, end.ptr);
 }
 
