@@ -137,7 +137,7 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
                      "(--model-out M.yaml): `veridyn diagnose M.yaml --train {} --test REC` says what changed",
                      names, pair ? "" : odd.size() == 1 ? "s from the other training recordings" : " from the other training recordings", 100.0 * worst.common,
                      arm.coordinates()[worst.joint].name, source, 100.0 * worst.own,
-                     fits_alone ? "Another load, friction or time?" : fmt::format("No arm of this file fits {} alone: a wrong file or column, or something that the model lacks?", names), source);
+                     fits_alone ? "Another load, friction or time?" : fmt::format("No arm of this file fits {} alone: a wrong file or column, or something that the model lacks?", source), source);
 }
 
 std::string recordings_apart(const Identification& evaluated) {

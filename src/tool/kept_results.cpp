@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kEnd = "end";  // marks the end of a line that was written completely
 
-// Number of the part and its numbers; nothing if the line is not complete.
+// Index of a part and its result, read from a line of the file; nullopt if the line is not complete.
 std::optional<std::pair<int, VectorXd>> result_in(const std::string& line) {
   std::istringstream words(line);
   int part = 0;

@@ -74,8 +74,8 @@ struct TipTarget {
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] derivative of x_d
   Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] second derivative of x_d
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
-  /// The part of position, velocity and acceleration above by which the tip yields while targets are held, else
-  /// zero. An arm that holds its measured position instead of the target adds this part to it.
+  /// Displacement, velocity and acceleration by which the tip yields to a force while targets are held, else zero. The
+  /// members above contain it; an arm that holds its measured position instead of the target adds it to that position.
   TetherGuard::Motion relief{};
 };
 

@@ -124,7 +124,7 @@ class FrictionCompensation {
   static double tank_level(const Axis& axis) noexcept;  ///< content relative to capacity; 1 without supervision
   double velocity_force(const Axis& axis, double v, double v_wanted, double error) const noexcept;  ///< rules by velocity; position error only at rest
   static double memory_force(Axis& axis, double will, double speed, double v) noexcept;  ///< advances memories; other terms slide at `speed`, by share `will`, -1 to 1
-  double total_force(Axis& axis, double v, double v_wanted, double error) const noexcept;  ///< force of the rule in use, unscaled
+  double total_force(Axis& axis, double v, double v_wanted, double error) const noexcept;  ///< [N m], [N] compensation of all terms, before it is scaled
   void supervise(Axis& axis, double v_wanted, double dt) const noexcept;  ///< fills and drains the tank
 
   FrictionOptions options_;

@@ -45,7 +45,7 @@ std::set<int> joints_without_friction(const Model& arm) {
   return out;
 }
 
-// Dry friction of a joint [N m] or [N] at a speed.
+// Sum of the magnitudes of a joint's frictions [N m] or [N] at a speed [rad/s] or [m/s].
 double friction_at(const Model& arm, int joint, double speed) {
   const VectorXd still = VectorXd::Zero(arm.joints()), dq = speed * VectorXd::Unit(arm.joints(), joint);
   double out = 0.0;

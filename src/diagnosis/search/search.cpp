@@ -160,7 +160,7 @@ class Search {
     }
   }
 
-  // Makes the exchange that lowers the score most; false if none lowers it enough.
+  // Makes the first exchange that lowers the score enough; false if there is none.
   bool exchange_once() {
     const Round now = current_.round();
     const size_t count = current_.terms.size();
@@ -409,10 +409,7 @@ class Search {
       }
       if (!gone) return any;
       any = true;
-      // One of several memories or waves of a place says nothing about the others.
-      const std::string place = current_.terms[*gone].term.place;
-      const bool is_alone = std::count_if(current_.terms.begin(), current_.terms.end(), [&](const Chosen& c) { return c.term.place == place; }) == 1;
-      if (is_alone && (++cleaned_[place] > 1 || is_refuted)) aside_.insert(place);
+      if (++cleaned_[current_.terms[*gone].term.place] > 1 || is_refuted) aside_.insert(current_.terms[*gone].term.place);
       const bool moved = current_.terms[*gone].term.is_linearised();
       current_.terms.erase(current_.terms.begin() + static_cast<long>(*gone));
       if (moved) current_.move_to(current_.arm_of(current_.terms));

@@ -58,7 +58,7 @@ class MotionSearch {
   std::vector<VectorXd> drawn_starts(int start, const Bounds& bounds, Found& found) const;  ///< random starting points, the best first
   std::vector<VectorXd> best_descents(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
                               Found& found) const;  ///< ends of trial descents, the best first; if all fail, from.front()
-  VectorXd track_minimum(VectorXd x, int start, Found& found) const;  ///< follows the minimum as the sharpness rises; empty: outside of the limits
+  VectorXd track_minimum(VectorXd x, int start, Found& found) const;  ///< descends with increasing sharpness; the last result within the limits, or empty
   VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
   VectorXd projected_into_limits(const VectorXd& from, const Bounds& bounds) const;
