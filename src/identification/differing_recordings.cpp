@@ -36,23 +36,24 @@ class Comparison {
   }
 
   // True if the common fit to `recordings` has a far larger error on one of `some` than a fit to that one
-  // alone; sets `worst`.
+  // alone; sets `worst` to the joint and recording where it is largest, in any case.
   bool differ(const std::vector<size_t>& recordings, const std::vector<size_t>& some) {
     Joints total;
     for (const size_t r : recordings) merge(total, all_[r]);
     const VectorXd common = solution_of(total);
-    double most = 0.0;
+    double most = -1.0;
     for (const size_t r : some) {
       const VectorXd with = squares_of(all_[r], common);
       for (Eigen::Index i = 0; i < with.size(); ++i) {
         const double torque2 = all_[r][static_cast<size_t>(i)].rhs_norm2(), ratio = std::sqrt(with[i] / own_[r][i]);
         const double limit = identifying::numbers.far_above_floor * within_[r][i], error = std::sqrt(with[i] / torque2);
-        if (!(ratio > limit) || !(error > identifying::numbers.below_any_sensor) || ratio / limit <= most) continue;
-        most = ratio / limit;
+        const double excess = error > identifying::numbers.below_any_sensor ? ratio / limit : 0.0;
+        if (!(excess > most)) continue;
+        most = excess;
         worst = {r, static_cast<size_t>(i), error, std::sqrt(own_[r][i] / torque2)};
       }
     }
-    return most > 0.0;
+    return most > 1.0;
   }
 
   // Index in `recordings` of the one without which the others are fitted best.
@@ -128,16 +129,17 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
   if (odd.empty()) return "";
   std::sort(odd.begin(), odd.end());
   const bool pair = all.size() == 2;
-  const bool fits_alone = comparison.differ(all, pair ? all : odd) && !(comparison.worst.own > identifying::numbers.below_any_sensor);
+  comparison.differ(all, pair ? all : odd);
   std::string names;
   for (const size_t r : pair ? all : odd) names += (names.empty() ? "" : pair ? " and " : ", ") + id.factors[r].source;
   const auto& worst = comparison.worst;
+  if (!std::isfinite(worst.own)) return "";  // too short
   const std::string& source = id.factors[worst.recording].source;
   return fmt::format("{} differ{}: one fit to all leaves {:.2g} % of the torque of {} in {}, a fit to this one alone {:.2g} %. {} Identify without it "
                      "(--model-out M.yaml): `veridyn diagnose M.yaml --train {} --test REC` says what changed",
                      names, pair ? "" : odd.size() == 1 ? "s from the other training recordings" : " from the other training recordings", 100.0 * worst.common,
                      arm.coordinates()[worst.joint].name, source, 100.0 * worst.own,
-                     fits_alone ? "Another load, friction or time?" : fmt::format("No arm of this file fits {} alone: a wrong file or column, or something that the model lacks?", source), source);
+                     worst.own <= identifying::numbers.below_any_sensor ? "Another load, friction or time?" : fmt::format("No arm of this file fits {} alone: a wrong file or column, or something that the model lacks?", source), source);
 }
 
 std::string recordings_apart(const Identification& evaluated) {

@@ -104,6 +104,7 @@ TEST(TrainingRecordings, WithADifferentLoadOrFrictionAreReported) {
   spoiled.tau.col(2) = spoiled.tau.col(1);
   const Identification wrong = identify(elbow(), {recorded("one", 1), spoiled, recorded("two", 2)});
   ASSERT_FALSE(wrong.warnings.empty());
+  EXPECT_TRUE(has(wrong.warnings.back(), " in other, a fit to this one alone ")) << wrong.report();
   EXPECT_TRUE(has(wrong.warnings.back(), "No arm of this file fits other alone: a wrong file or column, or something that the model lacks?")) << wrong.report();
   const Identification two = identify(elbow(), {recorded("one", 1), recorded("loaded", 2, changed(0.5, 0.0))});
   ASSERT_EQ(two.warnings.size(), 1U);
