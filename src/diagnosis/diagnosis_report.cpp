@@ -9,6 +9,7 @@
 #include "diagnosis/mistakes.hpp"
 #include "diagnosis/numerics.hpp"
 #include "identification/differing_recordings.hpp"
+#include "identification/identification_numbers.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/digits.hpp"
 #include "veridyn/identification/robot_check.hpp"
@@ -232,9 +233,12 @@ std::string Diagnosis::verdict() const {
     });
   };
   if (findings.empty()) {
-    std::string left, unknown, cut, still;
+    std::string left, unknown, cut, still, loud;
     for (const JointVerdict& v : joints) {
-      if (v.state == JointState::kAtFloor) continue;
+      if (v.state == JointState::kAtFloor) {
+        if (v.held_out > identifying::kLoud) loud += fmt::format("{}{} ({:.2g} %)", loud.empty() ? "" : ", ", v.joint.value + 1, numerics::kPercent * v.held_out);
+        continue;
+      }
       const std::string& name = baseline.model->coordinates()[v.joint.value].name;
       const bool is_still = std::find(baseline.still_in_test.begin(), baseline.still_in_test.end(), name) != baseline.still_in_test.end();
       std::string& list = !std::isfinite(v.held_out) ? unknown : is_still ? still : left;
@@ -244,8 +248,9 @@ std::string Diagnosis::verdict() const {
     const std::string apart = changes ? recordings_apart(baseline) : "";
     const std::string nothing = !apart.empty() ? "nothing has changed in the held-out recordings" : changes ? "nothing has changed" : wrong.empty() ? "none" : "no further cause";
     const std::string but = apart.empty() ? "" : ", but " + apart;
-    if (left.empty() && unknown.empty() && still.empty()) return wrong + nothing + but;
+    if (left.empty() && unknown.empty() && still.empty() && loud.empty()) return wrong + nothing + but;
     return wrong + "no cause was found" + (left.empty() ? "" : "; joints above their floor: " + left) +
+           (loud.empty() ? "" : "; joints with an error that no signal of the recordings predicts: " + loud + ", noise or something that does not follow the motion") +
            (cut.empty() ? "" : "; joints whose recorded torque stands at a limit: " + cut + ", record motions that need less") +
            (still.empty() ? "" : "; joints that hardly move in the held-out recordings: " + still + ", test on a motion") +
            (unknown.empty() ? "" : "; joints without a held-out error: " + unknown) + but;

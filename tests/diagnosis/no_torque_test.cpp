@@ -88,6 +88,8 @@ TEST_F(NotHeldOut, TheVerdictListsJointsWithoutErrorApartFromThoseAboveTheirFloo
   d.joints = {above};
   EXPECT_EQ(d.verdict(), "no cause was found; joints above their floor: 2");
   d.joints[0].state = JointState::kAtFloor;
+  EXPECT_EQ(d.verdict(), "no cause was found; joints with an error that no signal of the recordings predicts: 2 (20 %), noise or something that does not follow the motion");
+  d.joints[0].held_out = 0.02;
   EXPECT_EQ(d.verdict(), "none");
 }
 
