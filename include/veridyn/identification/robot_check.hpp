@@ -28,6 +28,7 @@ namespace veridyn {
 ///   gravity        it has another direction, or the torques contain none
 ///   dh_convention  the rows of the robot file follow the other convention
 ///   unexplained    nothing on the list explains most of the torque: the recording of another arm
+///   values         a warning: free parameters explain the torque far better than known values of the robot
 ///   weak_motion, hardly_moves   warnings: a joint moves over a small part of its range
 ///   not_compared   information: the recording leaves base parameters of the arm undetermined or
 ///                  nearly so, and wrong signals would fit as well; value: number of determined

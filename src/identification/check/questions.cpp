@@ -151,9 +151,10 @@ RecordingQuestion torques_filtered(double constant) {
 // The part of a recording, before or after a moment [s], that does not fit the rest.
 enum class Part { kBefore, kAfter };
 // @param moment  [s] since the recording began.
-RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
-  const long row = std::lower_bound(r.time.begin(), r.time.end(), r.time[0] + moment) - r.time.begin();
+RecordingQuestion without_rows(Part part, double moment, const VectorXd& time) {
+  const long row = std::lower_bound(time.begin(), time.end(), time[0] + moment) - time.begin();
   const bool after = part == Part::kAfter;
+  const double length = time[time.size() - 1] - time[0];
   RecordingQuestion q{"changed_midway", 0, 0, fmt::format("Something {} {:.3g} s does not fit with the rows {}, as a push, a load, an offset, an encoder that slipped or a sensor that failed",
                                                          after ? "after" : "before", moment, after ? "before" : "after")};
   q.other = after ? fmt::format("--rows 0:{}", row) : fmt::format("--rows {}:", row);
@@ -162,8 +163,12 @@ RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
       if ((changed.time[k] - changed.time[0] > moment) == after) changed.tau.row(k).setConstant(std::nan(""));
     }
   };
-  q = numbered(std::move(q), 0.0, [](double) { return std::vector<RecordingQuestion>(); });
-  q.price += checking::kExcludedRowsCost * static_cast<double>(after ? r.rows() - row : row) / static_cast<double>(r.rows());
+  q = numbered(std::move(q), 0.0, [=](double distance) {
+    const double other = after ? moment + distance : moment - distance;
+    const double kept = after ? length - other : other;
+    return 3.0 * kept < length ? std::vector<RecordingQuestion>() : std::vector<RecordingQuestion>{without_rows(after ? Part::kBefore : Part::kAfter, other, time)};
+  });
+  q.price += checking::kExcludedRowsCost * static_cast<double>(after ? time.size() - row : row) / static_cast<double>(time.size());
   return q;
 }
 
@@ -402,8 +407,8 @@ class List {
     for (const double constant : checking::kFilters) out_.push_back(torques_filtered(constant));
     for (int k = 1; k < checking::kMoments; ++k) {
       const double moment = k * length / checking::kMoments;
-      if (3 * k >= checking::kMoments) out_.push_back(without_rows(Part::kAfter, moment, r_));
-      if (3 * k <= 2 * checking::kMoments) out_.push_back(without_rows(Part::kBefore, moment, r_));
+      if (3 * k >= checking::kMoments) out_.push_back(without_rows(Part::kAfter, moment, r_.time));
+      if (3 * k <= 2 * checking::kMoments) out_.push_back(without_rows(Part::kBefore, moment, r_.time));
     }
   }
 

@@ -21,7 +21,8 @@ struct RecordingQuestion {
   std::string other = {};  ///< other correction: an option, or an entry of the robot file
   std::function<void(Recording&)> rows = {};  ///< correction of the rows, if `other` concerns the recording
   std::function<void(ModelDescription&)> robot = {};  ///< correction of the robot; null: none
-  /// Hypotheses at a distance from this one: directions of gravity [rad], relative gear ratios; null: none.
+  /// Hypotheses at a distance from this one: directions of gravity [rad], relative gear ratios; where rows are
+  /// excluded, the same for the rows on the other side [s], if they are a third of all; null: none.
   std::function<std::vector<RecordingQuestion>(double)> neighbours = {};
   double first_distance = 0.0;  ///< distance between the hypotheses of the list
   double price = 0.0;           ///< cost of a fitted number, in addition to that of every hypothesis

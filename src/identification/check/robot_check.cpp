@@ -12,6 +12,7 @@
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
+#include "identification/identification_numbers.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
@@ -66,23 +67,30 @@ class RobotCheck {
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
       else if (whole) report_unexplained();
-      const bool mends = is_explained(best_) || best_.fit.relative_error() < checking::kClearImprovement * before.relative_error();
+      out.mends = is_explained(best_) || best_.fit.relative_error() < checking::kClearImprovement * before.relative_error();
       const auto causes = std::remove_if(best_.set.begin(), best_.set.end(), [this](const RecordingQuestion& q) { return excludes_causes_ && q.is_cause; });
       if (causes != best_.set.end()) {
         best_.set.erase(causes, best_.set.end());
         best_.fit = fit_of(best_.set);
       }
-      report(before.relative_error());
+      report(before.relative_error(), other_sound_part());
+      report_values();
       report_weak_motions();
-      if (mends) out.set = std::move(best_.set);
+      out.set = std::move(best_.set);
     }
-    report_hardly_moving_joints(corrected_recording(out.set));
-    report_efforts(corrected_recording(out.set));
+    const Recording corrected = corrected_recording(out.mends ? out.set : std::vector<RecordingQuestion>());
+    report_hardly_moving_joints(corrected);
+    report_efforts(corrected);
     out.findings = std::move(findings_);
     return out;
   }
 
-  bool would_explain(const std::vector<RecordingQuestion>& set) const { return is_clear_improvement(fit_of(set), fit_of({})); }
+  bool would_explain(const std::vector<RecordingQuestion>& set) const {
+    const QuickFit before = fit_of({});
+    return !is_explained(before) && is_clear_improvement(fit_of(set), before);
+  }
+
+  bool fits_better_without(const std::vector<RecordingQuestion>& set) { return is_identifiable() && fit_of(set).misfit > fit_of({}).misfit + checking::kMisfitDecrease; }
 
   // True unless the remaining error is so large that the correction may only imitate a missing effect.
   static bool helps(const Answer& answer, const QuickFit& before) {
@@ -460,8 +468,56 @@ class RobotCheck {
     return q.finding == "torque_sign" ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
   }
 
+  // Relative error (n) of the torque with the values of the robot, where all are known; otherwise empty.
+  VectorXd left_by_values(const std::vector<RecordingQuestion>& set) const {
+    if (given_.description().values != RobotValues::kFacts || !has_all_values(given_)) return {};
+    IdentificationOptions how;
+    how.preprocessing = options_;
+    try {
+      return evaluate(corrected_arm(set, given_), corrected_recording(set), {}, how).train_error.relative;
+    } catch (const InvalidInput&) {
+      return {};  // too few rows are left
+    }
+  }
+
+  // If something changes within the recording, keeps the part that the known values explain. Returns the option for the other
+  // part if it fits as well and nothing tells which one is sound.
+  std::string other_sound_part() {
+    const auto cut = std::find_if(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& q) { return q.finding == "changed_midway"; });
+    if (cut == best_.set.end()) return "";
+    const double step = (recording_.time[recording_.rows() - 1] - recording_.time[0]) / checking::kMoments;
+    std::vector<RecordingQuestion> other;
+    for (int k = 0; !(other = cut->neighbours(k * step)).empty(); ++k) {
+      Answer answer = best_;
+      answer.set[static_cast<std::size_t>(cut - best_.set.begin())] = other.front();
+      answer.fit = fit_of(answer.set);
+      if (!is_explained(answer)) continue;
+      const VectorXd here = left_by_values(best_.set), there = left_by_values(answer.set);
+      const double share = here.size() > 0 && there.size() > 0 ? here.norm() / there.norm() : 1.0;
+      if (share > identifying::numbers.outstanding) best_ = std::move(answer);
+      return share > identifying::numbers.outstanding || share < 1.0 / identifying::numbers.outstanding ? "" : other.front().other;
+    }
+    return "";
+  }
+
+  // Reports the joint whose torque the known values of the robot explain far worse than free ones.
+  void report_values() {
+    const VectorXd left = left_by_values(best_.set);
+    int worst = -1;
+    double most = identifying::numbers.outstanding;
+    for (int i = 0; i < left.size(); ++i) {
+      const double ratio = left[i] / std::max(std::sqrt(best_.fit.shares[i]), checking::kExact);
+      if (moves(i) && ratio > most) most = ratio, worst = i;
+    }
+    if (worst < 0) return;
+    add_finding("values", worst + 1, left[worst],
+        text("The values of ", given_.name(), " leave ", percent_text(left[worst]), " of the torque of ", joint_text(worst), ", free parameters ", percent_text(std::sqrt(best_.fit.shares[worst])),
+             ": another load, friction, zero or mount than the robot file has? `veridyn diagnose` asks what changed."), Severity::kWarning);
+  }
+
   // Reports one line for each accepted hypothesis, with the error without it and all options together.
-  void report(double before) {
+  // @param also  option that does as well as that of a change within the recording; empty: none.
+  void report(double before, const std::string& also) {
     std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
     const std::string options = options_of(best_.set);
     for (const RecordingQuestion& q : best_.set) {
@@ -470,7 +526,7 @@ class RobotCheck {
       const double without = others.empty() ? before : fit_of(others).relative_error();
       const double left = best_.fit.relative_error();
       std::string sentence = q.what + ": " + reason_for(q, left, without) + "; ";
-      if (is_explained(best_)) sentence += options + " mends it.";
+      if (is_explained(best_)) sentence += options + (also.empty() ? " mends it." : " mends it, and so does " + also + ": these rows do not tell which part is sound.");
       else sentence += text(options, " makes it better, but the noise is at ", percent_text(best_.fit.noise()), ": not the whole truth.");
       add_finding(q.finding, q.joint, left, sentence);
     }
@@ -542,6 +598,11 @@ RobotAnswers answers_of(const Model& arm, const std::string& recording, const Pr
 bool would_explain(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
   const std::optional<RobotCheck> check = check_of(arm, recording, options);
   return check && check->would_explain(set);
+}
+
+bool fits_better_without(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
+  std::optional<RobotCheck> check = check_of(arm, recording, options);
+  return check && check->fits_better_without(set);
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path, const PreprocessingOptions& options) {
