@@ -141,7 +141,7 @@ class SetUp {
 
 // True for mistakes in positions and velocities, false for those in torques, times or the robot file.
 bool is_of_motion(const QualityFinding& finding) {
-  static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side"};
+  static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side", "given_unit"};
   // Degrees in velocities alone are an error of that signal.
   return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
 }
@@ -180,7 +180,9 @@ std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradi
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
     if (!explained || !same) contradictions.push_back(f);
   }
-  std::stable_sort(contradictions.begin(), contradictions.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  // Rows that cannot be right are the cause of what does not fit the robot.
+  const auto rank = [](const QualityFinding& f) { return std::pair(-static_cast<int>(f.severity), f.finding != "jumps" && f.finding != "overflow"); };
+  std::stable_sort(contradictions.begin(), contradictions.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   return contradictions;
 }
 

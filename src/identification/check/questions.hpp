@@ -38,10 +38,11 @@ struct RecordingQuestion {
 };
 
 /// The hypotheses: units, signs, exchanged joints, direction of gravity, convention of DH rows.
+/// @param given  options with which the recording was read: each unit may be wrong.
 /// @param moves  joints that move.
 /// @param fit  fit of the recording with the transformations found so far: joints that it explains are not
 /// exchanged.
-std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::vector<bool>& moves, const QuickFit& fit);
+std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const SignalChoice& given, const std::vector<bool>& moves, const QuickFit& fit);
 
 /// True if positions of a joint (from 0) lie outside of its limits.
 bool leaves_limits(const Model& arm, int joint, const Recording& recording);
@@ -49,8 +50,12 @@ bool leaves_limits(const Model& arm, int joint, const Recording& recording);
 /// Gravity in this direction; zero: the torques contain no gravity.
 RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);
 
-/// Options that correct all of these mistakes: "--units q=deg --map tau1=tau2,tau2=tau1".
-std::string options_of(const std::vector<RecordingQuestion>& questions);
+/// Options that correct all of these mistakes in a recording that was read with the given options, and replace them:
+/// "--units q=deg --map tau1=tau2,tau2=tau1".
+std::string options_of(const std::vector<RecordingQuestion>& questions, const SignalChoice& given, const Model& arm);
+
+/// The given units and maps as options: "--units q=deg"; empty: none.
+std::string given_options(const SignalChoice& given);
 
 /// True if some of them change the robot.
 bool any_changes_robot(const std::vector<RecordingQuestion>& set);
