@@ -121,6 +121,8 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
   std::vector<size_t> all, odd;
   for (size_t r = 0; r < id.factors.size(); ++r) all.push_back(r);
   std::vector<size_t> alike = all;
+  comparison.differ(all, all);
+  const Comparison::Worst of_all = comparison.worst;
   while (alike.size() > 1 && comparison.differ(alike, alike)) {
     const auto at = alike.begin() + static_cast<long>(comparison.outlier_recording(alike));
     odd.push_back(*at);
@@ -135,10 +137,14 @@ std::string differing_recordings(const Model& arm, const Identification& id) {
   const auto& worst = comparison.worst;
   if (!std::isfinite(worst.own)) return "";  // too short
   const std::string& source = id.factors[worst.recording].source;
-  return fmt::format("{} differ{}: one fit to all leaves {:.2g} % of the torque of {} in {}, a fit to this one alone {:.2g} %. {} Identify without it "
-                     "(--model-out M.yaml): `veridyn diagnose M.yaml --train {} --test REC` says what changed",
-                     names, pair ? "" : odd.size() == 1 ? "s from the other training recordings" : " from the other training recordings", 100.0 * worst.common,
-                     arm.coordinates()[worst.joint].name, source, 100.0 * worst.own,
+  // What a recording that no arm fits does to the common fit may show in the others alone.
+  const auto percent = [](double share) { return fmt::format("{:.2g} %", 100.0 * share); };
+  const bool own = percent(worst.common) != percent(worst.own);
+  const auto& shown = own ? worst : of_all;
+  return fmt::format("{} differ{}: one fit to all leaves {} of the torque of {} in {}, a fit to {} alone {}. {} Identify without it "
+                     "(--model-out M.yaml): `veridyn diagnose M.yaml --train {} --test REC` asks what changed",
+                     names, pair ? "" : odd.size() == 1 ? "s from the other training recordings" : " from the other training recordings", percent(shown.common),
+                     arm.coordinates()[shown.joint].name, id.factors[shown.recording].source, own ? "this one" : id.factors[shown.recording].source, percent(shown.own),
                      worst.own <= identifying::numbers.below_any_sensor ? "Another load, friction or time?" : fmt::format("No arm of this file fits {} alone: a wrong file or column, or something that the model lacks?", source), source);
 }
 
@@ -166,7 +172,7 @@ std::string recordings_apart(const Identification& evaluated) {
   }
   if (worst == nullptr) return "";
   return fmt::format("{} differ{} from the other recordings: the model leaves {:.2g} % of the torque of {} in {}, {:.2g} % in {}. Another load, friction, offset or arm? "
-                     "`veridyn diagnose MODEL --train {} --test REC` says what changed",
+                     "`veridyn diagnose MODEL --train {} --test REC` asks what changed",
                      names, names == worst->source ? "s" : "", 100.0 * worst->error.relative[joint], evaluated.model->coordinates()[static_cast<size_t>(joint)].name, worst->source,
                      100.0 * best->error.relative[joint], best->source, worst->source);
 }

@@ -81,9 +81,9 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   // If nearly all parameters are undetermined, a list of them does not help.
   if (!id.still_joints.empty() && static_cast<int>(id.still_joints.size()) == arm.joints()) {
     id.reason += "; gravity, offsets and forces of position of an arm at rest are identified with --at-rest";
-  } else if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
+  } else if (!open.empty() && (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2)) {
     id.reason += "; undetermined: " + open;
-  } else {
+  } else if (!open.empty()) {
     id.reason += text("; the ", arm_base.size() - data_base.size(),
                       " that are missing are spread over nearly all: a longer or richer motion is needed");
   }

@@ -41,7 +41,7 @@ void require_joints_of(const Model& arm, int found, const std::string& recording
   std::string names;
   for (const Coordinate& c : arm.coordinates()) names += (names.empty() ? "" : ", ") + c.name;
   throw InvalidInput(text(recording, ": found ", found, " joints, expected the ", n, " of robot '", arm.name(), "': ", names,
-                          found < n ? " (files with a part of the joints each are one recording: a.csv+b.csv)."
+                          found < n ? " (--fix NAME=VALUE holds a joint that is not recorded; files with a part of the joints each are one recording: a.csv+b.csv)."
                                     : text(" (the others are a gripper? --map ", arm.coordinates().front().name, "=1 takes the first ", n,
                                            " of them, --map NAME=NUMBER others).")));
 }

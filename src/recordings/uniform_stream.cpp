@@ -52,6 +52,26 @@ bool UniformStream::is_usable(const Recording& piece, Eigen::Index row) const {
          good(piece.tau.size() > 0 ? piece.tau : piece.current);
 }
 
+void UniformStream::count_numbers(const Recording& piece, Eigen::Index row) {
+  const MatrixXd none;
+  const bool torques = piece.tau.size() > 0;
+  for (const auto& [name, values] : {std::pair{"q", &piece.q}, std::pair{"dq", has_velocity_ ? &piece.dq : &none}, std::pair{torques ? "tau" : "i", torques ? &piece.tau : &piece.current}}) {
+    for (Eigen::Index j = 0; j < values->cols(); ++j) numbers_[text(name, j + 1)] += std::abs((*values)(row, j)) < kAbsurd ? 1 : 0;
+  }
+}
+
+std::string UniformStream::missing_numbers() const {
+  std::string never;
+  bool velocities = true;
+  for (const auto& [name, count] : numbers_) {
+    if (count > 0) continue;
+    never += (never.empty() ? "" : ", ") + name;
+    velocities = velocities && name[0] == 'd';
+  }
+  if (never.empty()) return "each column has some, but no row all of them, as where two clocks share a table; every row needs all signals of its time";
+  return never + " without any" + (velocities ? "; --velocity derived takes velocities from the positions" : "");
+}
+
 void UniformStream::make_row(const Recording& piece, Eigen::Index row, Row& out) const {
   const int n = arm_.joints();
   const bool torques = piece.tau.size() > 0;
@@ -72,7 +92,7 @@ void UniformStream::make_row(const Recording& piece, Eigen::Index row, Row& out)
 void UniformStream::read_piece() {
   const Recording piece = source_(kPiece);
   if (piece.rows() == 0) {
-    require(started_, name_, ": found no usable rows; expected at least two with finite numbers.");
+    require(started_, name_, ": found no usable rows; expected at least two with finite numbers: ", missing_numbers(), ".");
     ended_ = true;
     return;
   }
@@ -92,7 +112,10 @@ void UniformStream::read_piece() {
     if (file_row == std::max(0L, options_.first_row)) t_wanted_first_ = piece.time[i];
     if (options_.row_count && file_row == options_.first_row + *options_.row_count - 1)
       t_wanted_last_ = piece.time[i];
-    if (!is_usable(piece, i)) continue;
+    if (!is_usable(piece, i)) {
+      if (!started_) count_numbers(piece, i);
+      continue;
+    }
     make_row(piece, i, row_);
     if (!started_) t_first_ = row_.t;
     emit_until(row_);

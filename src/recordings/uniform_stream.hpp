@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,8 @@ class UniformStream {
   double longest_bridge() const;  ///< [s] largest distance between rows that is not a gap
   bool is_usable(const Recording& piece, Eigen::Index row) const;  ///< all values are finite and plausible
   void make_row(const Recording& piece, Eigen::Index row, Row& out) const;
+  void count_numbers(const Recording& piece, Eigen::Index row);
+  std::string missing_numbers() const;  ///< columns without which no row is usable
   Eigen::Index held() const { return static_cast<Eigen::Index>(sound_.size()); }
   void check(const Recording& piece) const;
 
@@ -73,6 +76,7 @@ class UniformStream {
   long next_index_ = 0;
   long first_index_ = 0;
   long rows_read_ = 0;
+  std::map<std::string, long> numbers_;  ///< usable numbers of each column before the first usable row
   Row row_{0.0, {}}, previous_{0.0, {}};
   double most_held_ = 0.0;  ///< largest number of held samples
   Eigen::Index width_ = 0;

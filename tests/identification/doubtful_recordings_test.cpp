@@ -80,6 +80,31 @@ TEST(ATestRecording, OfAJointAtRestGivesNoVerdictForIt) {
   }
 }
 
+// A training recording in degrees makes no test seem at rest.
+TEST(ATestRecording, ThatMovesAsUsualIsNotAtRest) {
+  Recording degrees = recorded("degrees", 3);
+  degrees.q *= 180.0 / M_PI;
+  degrees.dq *= 180.0 / M_PI;
+  const Identification id = identify(elbow(), {recorded("one", 1), recorded("two", 2), degrees}, recorded("test", 4));
+  EXPECT_TRUE(id.still_in_test.empty());
+}
+
+// A torque that depends on no motion is at no noise, however little a model leaves of it.
+TEST(ATorque, ThatAConstantExplainsAsWellDoesNotFollowFromTheMotion) {
+  std::vector<Recording> all = {recorded("one", 1), recorded("test", 2)};
+  for (Recording& r : all) {
+    r.tau = noise_like(r.tau, 1.0, 5);
+    for (auto column : r.tau.colwise()) column.array() = 30.0 + column.array() / column.cwiseAbs().maxCoeff();
+  }
+  ModelDescription bare = elbow().description();
+  bare.effects.clear();
+  IdentificationOptions how;
+  how.friction = JointFriction::kPlain;  // with offsets
+  const IdentificationVerdict v = verdict_of(identify(Model(std::move(bare)), all[0], all[1], how));
+  for (const IdentifiedJoint& joint : v.joints) EXPECT_EQ(joint.state, IdentifiedState::kCannotTell) << joint.error;
+  EXPECT_TRUE(has(v.sentence, "and a constant torque hardly more: little of it follows from the motion")) << v.sentence;
+}
+
 // The elbow arm with this much more mass at its flange, or with other friction at its shoulder.
 Model changed(double mass, double friction) {
   ModelDescription d = elbow().description();
@@ -106,6 +131,15 @@ TEST(TrainingRecordings, WithADifferentLoadOrFrictionAreReported) {
   ASSERT_FALSE(wrong.warnings.empty());
   EXPECT_TRUE(has(wrong.warnings.back(), " in other, a fit to this one alone ")) << wrong.report();
   EXPECT_TRUE(has(wrong.warnings.back(), "No arm of this file fits other alone: a wrong file or column, or something that the model lacks?")) << wrong.report();
+  // No arm fits a change of load midway; what it does to another recording shows.
+  Recording glued = recorded("other", 3);
+  glued.tau.bottomRows(4000) = recorded("loaded", 3, changed(1.5, 0.0)).tau.bottomRows(4000);
+  const Identification changing = identify(elbow(), {recorded("one", 1), glued, recorded("two", 2)});
+  ASSERT_FALSE(changing.warnings.empty());
+  const std::string& sentence = changing.warnings.back();
+  EXPECT_EQ(sentence.find("other differs"), 0U) << sentence;
+  const std::size_t leaves = sentence.find("leaves ") + 7, alone = sentence.find(" alone ") + 7;
+  EXPECT_NE(std::stod(sentence.substr(leaves)), std::stod(sentence.substr(alone))) << sentence;
   const Identification two = identify(elbow(), {recorded("one", 1), recorded("loaded", 2, changed(0.5, 0.0))});
   ASSERT_EQ(two.warnings.size(), 1U);
   EXPECT_EQ(two.warnings[0].find("one and loaded differ: "), 0U) << two.warnings[0];

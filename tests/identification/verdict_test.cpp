@@ -51,7 +51,7 @@ TEST(TheVerdict, ListsTheStateOfEveryJoint) {
   EXPECT_NEAR(v.joints[0].speed, 0.5, 1e-12);
   EXPECT_EQ(v.sentence,
             name(id, 5) + " moved over 2 % of the range: record again with a motion of `veridyn excite`; " + name(id, 2) + " and " +
-                name(id, 3) + " leave 10 and over 1000 times the noise held out: `veridyn diagnose` says why; " + name(id, 4) +
+                name(id, 3) + " leave 10 and over 1000 times the noise held out: `veridyn diagnose` asks why; " + name(id, 4) +
                 " has no torque held out: it was not recorded, or nothing drove the joint; " + name(id, 0) + " is at the noise (error 5 % held out); " +
                 name(id, 1) + " leaves 0.9 % held out, more than the noise, less than most torque sensors resolve");
 }

@@ -331,6 +331,54 @@ TEST(UnitsBelowTheHeader, MayBeWrittenInBrackets) {
   EXPECT_NEAR(r.tau(3, 0), 1e-3 * tau(0, 3), 1e-14);
 }
 
+Recording read_text(const std::string& content, const RecordingOptions& options = {}) {
+  const std::string path = testing::TempDir() + "veridyn-text-" + std::to_string(::getpid());
+  std::ofstream(path) << content;
+  const Recording r = read_recording(path, options);
+  std::filesystem::remove(path);
+  return r;
+}
+
+std::string refusal(const std::string& content) {
+  try {
+    read_text(content);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Also below a header in this project's own names, and again where a logger repeats it; a second recording is refused.
+TEST(UnitsBelowTheHeader, MayBeRepeatedWithIt) {
+  const std::string header = "t,q1,q2,tau1,tau2\ns,deg,deg,Nm,Nm";
+  std::string content = table(header, ",", 1.0, 0.0, kDegrees);
+  const std::string later = table(header, ",", 1.0, 0.05, kDegrees);
+  const Recording r = read_text(content + later);
+  ASSERT_EQ(r.rows(), 10);
+  EXPECT_NEAR(r.q(3, 1), q(1, 3), 1e-11);
+  EXPECT_NEAR(r.time[9], 0.09, 1e-9);
+  EXPECT_NE(refusal(later + content).find("found the header again and an earlier time"), std::string::npos) << refusal(later + content);
+}
+
+TEST(ACell, WithAnErrorOfASpreadsheetIsAGap) {
+  const Recording r = read_text("t,q1,tau1\n0,0.1,#DIV/0!\n0.01,0.2,#REF!\n0.02,0.3,1\n");
+  EXPECT_TRUE(std::isnan(r.tau(0, 0)));
+  EXPECT_EQ(r.tau(2, 0), 1.0);
+}
+
+TEST(ARefusedTable, HasARemedy) {
+  EXPECT_NE(refusal("t,q1,tau1\n0,00,0,10,1,50\n0,01,0,20,1,60\n").find("decimal commas between commas?"), std::string::npos);
+  EXPECT_NE(refusal("t,q1,tau1,tau1\n0,0.1,1,2\n").find("rename the one that is not to be used"), std::string::npos);
+}
+
+// Positions from one, efforts from zero, as two publishers in one table.
+TEST(EffortsCountedFromZero, BelongToPositionsCountedFromOne) {
+  const Recording r = read_text(table("time,pos_1,pos_2,JointEffort[0],JointEffort[1]"));
+  ASSERT_EQ(r.tau.cols(), 2);
+  EXPECT_NEAR(r.tau(3, 0), tau(0, 3), 1e-11);
+  EXPECT_NEAR(r.tau(3, 1), tau(1, 3), 1e-11);
+}
+
 // The smallest doubles are times like others.
 TEST(ADenormalTime, IsReadAsZero) {
   const std::string path = testing::TempDir() + "veridyn-denormal-" + std::to_string(::getpid());

@@ -497,6 +497,16 @@ TEST(Recordings, ThatDoNotFitTheArmAreRefused) {
   r = lines(even_time(900, 0.005), 2);
   r.q.setConstant(kNaN);
   EXPECT_NE(refused(r).find("no usable rows"), std::string::npos) << refused(r);
+  EXPECT_NE(refused(r).find("q1, q2 without any."), std::string::npos) << refused(r);
+  r = lines(even_time(900, 0.005), 2);
+  r.dq = r.q;
+  r.dq.col(1).setConstant(kNaN);
+  EXPECT_NE(refused(r).find("dq2 without any; --velocity derived"), std::string::npos) << refused(r);
+  // An outer join of two clocks.
+  r = lines(even_time(900, 0.005), 2);
+  for (int k = 0; k < 900; ++k) (k % 2 == 0 ? r.q : r.tau).row(k).setConstant(kNaN);
+  EXPECT_NE(refused(r).find("no row all of them, as where two clocks share a table"), std::string::npos) << refused(r);
+  EXPECT_NE(refused(lines(even_time(900, 0.005), 1)).find("--fix NAME=VALUE"), std::string::npos);
   EXPECT_NE(refused(lines(even_time(1, 0.005), 2)).find("one row"), std::string::npos);
 }
 

@@ -389,6 +389,17 @@ TEST(AFault, ACoarselyQuantisedTorqueIsNotReportedAsSaturated) {
   expect_only(check_recording(r), {});
 }
 
+// Whole newton metres of a small torque: its extreme lasts as long as a step, and is no limit.
+TEST(AFault, ATorqueInStepsAsWideAsItsCrestIsNotReportedAsSaturated) {
+  for (unsigned seed = 1; seed < 10; ++seed) {
+    Recording r = clean_recording(seed);
+    for (int j = 0; j < kJoints; ++j) r.tau.col(j) = (3.4 / r.tau.col(j).cwiseAbs().maxCoeff() * r.tau.col(j)).array().round().matrix();
+    const RecordingQuality quality = check_recording(r);
+    EXPECT_EQ(quality.find("saturation"), nullptr) << quality.report();
+    EXPECT_NE(quality.find("torque_quantised", 1), nullptr) << quality.report();
+  }
+}
+
 TEST(AFault, RingingAtTheStartIsReportedAsATransient) {
   Recording r = clean_recording();
   for (int k = 0; r.time[k] < 0.6; ++k) r.tau(k, 1) += 3.0 * std::sin(60.0 * r.time[k]);
@@ -409,6 +420,16 @@ TEST(AFault, AWrongClockIsReportedWithItsFactor) {
     EXPECT_EQ(quality.find("velocity_scale"), nullptr);
     EXPECT_EQ(quality.severity(), Severity::kFault);
   }
+}
+
+// No clock makes a velocity of another signal.
+TEST(AFault, VelocitiesOfOtherSignalsAreNotReportedAsTheClock) {
+  Recording r = clean_recording();
+  r.dq *= 0.5;
+  r.dq.col(1) = 1.7 * r.q.col(1);
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_NE(quality.find("velocity_unrelated", 2), nullptr);
+  EXPECT_EQ(quality.find("rate_contradiction"), nullptr) << quality.report();
 }
 
 TEST(AFault, AVelocityFactorOnOneJointIsNotReportedAsTheClock) {

@@ -375,7 +375,7 @@ TEST_F(ABadFile, WithAnInvalidHeaderReportsTheReason) {
             ":1: found q3 but no q2, expected joints without a hole (q1 to qn).");
   EXPECT_EQ(error_of("t,q0,q1\n0,1,2\n"),
             ":1: found q0, expected joints to count from 1 (q1, q2, ...).");
-  EXPECT_EQ(error_of("t,q1,q1\n0,1,2\n"), ":1: found column q1 twice, expected it once.");
+  EXPECT_EQ(error_of("t,q1,q1\n0,1,2\n"), ":1: found column q1 twice, expected it once: rename the one that is not to be used.");
   EXPECT_EQ(error_of("t,q1,q2,tau1\n0,1,2,3\n"),
             ":1: found 2 joints in q but 1 in tau, expected the same number in each signal.");
   EXPECT_EQ(error_of("q1,q2\n1,2\n"), ":1: found no column t, expected one, or --rate.");

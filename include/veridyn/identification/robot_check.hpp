@@ -22,12 +22,16 @@ namespace veridyn {
 ///   swapped_joints two joints are exchanged, in their torques, in their motion, or in both
 ///   encoder_zero   a joint's position is counted from another zero, near a quarter turn or half a turn away
 ///   degrees, turns, millimetres, counts, share_of_range, motor_side   positions or velocities in another unit
+///   given_unit     the recording fits without a unit that was given
 ///   torque_unit, current   torques in another unit, as shares of the limits, in front of gears, as currents of drives
 ///   brakes         torques of an arm at rest are not those that hold it
 ///   no_sign        a torque of one sign that does not follow from the motion
 ///   gravity        it has another direction, or the torques contain none
 ///   dh_convention  the rows of the robot file follow the other convention
-///   unexplained    nothing on the list explains most of the torque: the recording of another arm
+///   unexplained    nothing on the list explains most of the torque: the recording of another arm; a warning: nothing
+///                  explains a part of a joint's torque
+///   beyond_effort  torques several times the largest effort; beyond_limits, beyond_speed: warnings
+///   values         a warning: free parameters explain the torque far better than known values of the robot
 ///   weak_motion, hardly_moves   warnings: a joint moves over a small part of its range
 ///   not_compared   information: the recording leaves base parameters of the arm undetermined or
 ///                  nearly so, and wrong signals would fit as well; value: number of determined

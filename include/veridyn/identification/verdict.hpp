@@ -16,7 +16,8 @@ enum class IdentifiedState {
   kUnexplained,  ///< the residual is far above the floor: the model is incomplete
   kHardlyMoved,  ///< the joint hardly moves in the recordings
   kNoTorque,     ///< the joint's torque is always zero: it was not recorded, or the joint was not driven
-  kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown, or the joint hardly moves in the test
+  kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown, the joint hardly moves in the test, or
+                 ///< a constant torque leaves hardly more
 };
 /// "at_floor", "unexplained", "hardly_moved", "no_torque", "cannot_tell".
 const char* name_of(IdentifiedState state);
@@ -26,6 +27,7 @@ struct IdentifiedJoint {
   IdentifiedState state = IdentifiedState::kCannotTell;
   double error = 0.0;  ///< relative error on held-out recordings if there are any, else on the training recordings
   double floor = 0.0;  ///< relative noise floor; NaN if nothing repeats
+  double constant = 0.0;  ///< relative error of a constant torque in the training recordings; infinite if none was fitted
   /// Share of the joint's range covered by the training; NaN: no limits in the file.
   double range = 0.0;
   double speed = 0.0;  ///< largest share of the speed limit; NaN: no limit

@@ -46,58 +46,81 @@ class SetUp {
  public:
   SetUp(const Model& arm, const PreprocessingOptions& options) : options_(options) { out_.arm = arm; }
 
-  // Factors that each recording fitted for itself would make recordings of one arm differ: the set of the first one is used
-  // where it corrects the others, too.
   void learn_from(const std::string& name) {
-    RobotAnswers answers = answers_of(out_.arm, name, options_, smallest_error());
-    note_faults(answers, name);
-    std::vector<RecordingQuestion>& set = answers.set;
-    if (!first_.empty() && !answers.explained && would_explain(first_, out_.arm, name, options_)) set = first_;
+    if (has_first_mistakes(name)) return;
+    examine(name);
+    Examined& one = examined_.back();
+    std::vector<RecordingQuestion>& set = one.answers.set;
     set.erase(std::remove_if(set.begin(), set.end(), [this](const RecordingQuestion& q) { return is_left_to_a_diagnosis(q, out_.arm); }), set.end());
-    adopt_corrections(set, name);
-    if (!first_.empty()) return;
-    std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return q.changes_recording(); });
+    if (!one.answers.mends) return;
+    one.applied = set;
+    if (any_changes_robot(set)) out_.arm = corrected_arm(set, out_.arm);
+    if (first_.empty()) std::copy_if(set.begin(), set.end(), std::back_inserter(first_), [](const RecordingQuestion& q) { return q.changes_recording(); });
+    if (!first_.empty() && with_first_.empty()) with_first_.push_back(name);
   }
 
-  // Applies the transformations of the training recordings to a held-out recording if they correct it;
-  // otherwise reports its contradictions.
   void apply_to_held_out(const std::string& name) {
-    if (!first_.empty() && would_explain(first_, out_.arm, name, options_)) adopt_corrections(first_, name);
-    else note_faults(answers_of(out_.arm, name, options_, smallest_error()), name);
+    if (!has_first_mistakes(name)) examine(name);
   }
 
   MendedSetUp result() {
-    out_.findings = once_each(all_);
-    for (QualityFinding& f : out_.findings) {
-      const bool elsewhere = std::any_of(sound_.begin(), sound_.end(), [&](double left) { return left < identifying::numbers.outstanding * std::max(f.value, checking::kExact); });
-      if (elsewhere && is_contradiction(f) && f.finding != "unexplained" && f.finding != "gravity" && f.finding != "dh_convention")
-        f.sentence += " Other recordings of this command do not have this mistake, and options count for all: change this file.";
+    const auto also = [this](const Examined& one) { return one.applied.empty() && has_first_mistakes(one.name); };
+    examined_.erase(std::remove_if(examined_.begin(), examined_.end(), also), examined_.end());
+    for (const Examined& one : examined_) {
+      adopt_corrections(one.applied, one.name);
+      for (const QualityFinding& f : one.answers.findings) {
+        if (f.severity != Severity::kFault) continue;
+        all_.push_back(f);
+        all_.back().file = one.name;
+        if (is_contradiction(f)) all_.back().sentence += of_some_recordings(one);
+      }
     }
+    for (const std::string& name : with_first_) adopt_corrections(first_, name);
+    out_.findings = once_each(all_);
     return std::move(out_);
   }
 
  private:
+  struct Examined {
+    std::string name;
+    RobotAnswers answers;
+    std::vector<RecordingQuestion> applied;
+  };
+
   // A mistake in the set-up affects every recording. If one recording has an unexplained error but no
   // contradiction, others are tested only if their error is several times as large.
-  double smallest_error() const { return identifying::numbers.outstanding * least_left_; }
+  void examine(const std::string& name) {
+    examined_.push_back({name, answers_of(out_.arm, name, options_, identifying::numbers.outstanding * least_left_), {}});
+    const RobotAnswers& answers = examined_.back().answers;
+    const bool found = std::any_of(answers.findings.begin(), answers.findings.end(), [](const QualityFinding& f) { return f.severity == Severity::kFault; });
+    if (!found && !answers.explained && answers.left > 0.0 && (least_left_ == 0.0 || answers.left < least_left_)) least_left_ = answers.left;
+  }
 
-  void note_faults(const RobotAnswers& answers, const std::string& name) {
-    bool found = false;
-    for (const QualityFinding& f : answers.findings) {
-      if (f.severity != Severity::kFault) continue;
-      all_.push_back(f);
-      all_.back().file = name;
-      found = true;
+  // True if the recording has the mistakes that were found first. Factors that each recording fitted for itself
+  // would make recordings of one arm differ, so that the same ones are applied to all.
+  bool has_first_mistakes(const std::string& name) {
+    if (first_.empty() || !would_explain(first_, out_.arm, name, options_)) return false;
+    with_first_.push_back(name);
+    return true;
+  }
+
+  // Says that options, which count for all recordings, are no remedy where one does not have these mistakes.
+  std::string of_some_recordings(const Examined& one) const {
+    const std::vector<RecordingQuestion>& set = one.answers.set;
+    if (set.empty() || any_changes_robot(set)) return "";
+    const bool is_first = !with_first_.empty() && with_first_.front() == one.name;
+    std::string files = one.name;
+    for (std::size_t k = 1; is_first && k < with_first_.size(); ++k) files += ", " + with_first_[k];
+    for (const Examined& other : examined_) {
+      if (other.name != one.name && fits_better_without(set, out_.arm, other.name, options_))
+        return " " + other.name + " does not have this mistake, and options count for all recordings: change " + files + ".";
     }
-    if (found || answers.left == 0.0) return;
-    sound_.push_back(answers.left);
-    if (!answers.explained && (least_left_ == 0.0 || answers.left < least_left_)) least_left_ = answers.left;
+    return "";
   }
 
   void adopt_corrections(const std::vector<RecordingQuestion>& set, const std::string& name) {
     if (set.empty()) return;
     out_.mended = true;
-    if (any_changes_robot(set)) out_.arm = corrected_arm(set, out_.arm);
     if (std::none_of(set.begin(), set.end(), [](const RecordingQuestion& q) { return q.changes_recording(); })) return;
     const Recording* there = find_in_memory(options_.in_memory, name);
     Recording recording = there != nullptr ? *there : read_rows(name, recording_options_for(out_.arm, options_), options_.kept.get());
@@ -109,15 +132,16 @@ class SetUp {
 
   const PreprocessingOptions& options_;
   MendedSetUp out_;
+  std::vector<Examined> examined_;
   std::vector<RecordingQuestion> first_;  // the set that was found first
+  std::vector<std::string> with_first_;   // recordings that it corrects
   std::vector<QualityFinding> all_;
   double least_left_ = 0.0;  // smallest error among recordings that are neither explained nor contradict the arm
-  std::vector<double> sound_;  // errors of recordings without contradiction
 };
 
 // True for mistakes in positions and velocities, false for those in torques, times or the robot file.
 bool is_of_motion(const QualityFinding& finding) {
-  static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side"};
+  static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side", "given_unit"};
   // Degrees in velocities alone are an error of that signal.
   return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
 }
@@ -156,7 +180,9 @@ std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradi
     const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
     if (!explained || !same) contradictions.push_back(f);
   }
-  std::stable_sort(contradictions.begin(), contradictions.end(), [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  // Rows that cannot be right are the cause of what does not fit the robot.
+  const auto rank = [](const QualityFinding& f) { return std::pair(-static_cast<int>(f.severity), f.finding != "jumps" && f.finding != "overflow"); };
+  std::stable_sort(contradictions.begin(), contradictions.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   return contradictions;
 }
 

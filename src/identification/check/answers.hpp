@@ -15,7 +15,8 @@ namespace veridyn {
 /// Result of check_against() for one recording, with the transformations that it found.
 struct RobotAnswers {
   std::vector<QualityFinding> findings;
-  std::vector<RecordingQuestion> set;  ///< transformations that explain the recording, or most of its error
+  std::vector<RecordingQuestion> set;  ///< transformations that improve the recording
+  bool mends = false;                  ///< they explain the recording, or most of its error
   bool explained = false;              ///< the arm explains the recording as it is
   double left = 0.0;                   ///< relative error of the torque as recorded
 };
@@ -24,8 +25,11 @@ struct RobotAnswers {
 /// @param smallest_error  recordings with a smaller relative error are not tested.
 RobotAnswers answers_of(const Model& arm, const std::string& recording, const PreprocessingOptions& options, double smallest_error = 0.0);
 
-/// True if these transformations explain the recording, or most of its error.
+/// True if the recording is not explained as it is, and these transformations explain it, or most of its error.
 bool would_explain(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
+
+/// True if the recording fits clearly better without these transformations: it does not contain the mistakes.
+bool fits_better_without(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options);
 
 /// If a recording has no torques, computes them from its currents and the drive gains.
 void set_torques_from_currents(const Model& arm, Recording& recording);
@@ -39,8 +43,8 @@ struct MendedSetUp {
 };
 
 /// Tests all recordings if one has a large error. Training recordings determine the transformations. The
-/// first set found is also applied to other recordings, held-out ones included, that are not explained
-/// and that it explains.
+/// first set found is also applied to other recordings, those before it and held-out ones included, that are not
+/// explained and that it explains.
 /// @param fit  identification from these recordings.
 MendedSetUp mended_set_up(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
                           const PreprocessingOptions& options, const Identification& fit);

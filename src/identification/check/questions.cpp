@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -20,6 +21,7 @@ namespace veridyn {
 namespace {
 
 using Names = std::vector<std::string>;
+constexpr const char* kSignals[] = {"q", "dq", "ddq", "tau", "i"};
 
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + "," + b; }
 
@@ -151,9 +153,10 @@ RecordingQuestion torques_filtered(double constant) {
 // The part of a recording, before or after a moment [s], that does not fit the rest.
 enum class Part { kBefore, kAfter };
 // @param moment  [s] since the recording began.
-RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
-  const long row = std::lower_bound(r.time.begin(), r.time.end(), r.time[0] + moment) - r.time.begin();
+RecordingQuestion without_rows(Part part, double moment, const VectorXd& time) {
+  const long row = std::lower_bound(time.begin(), time.end(), time[0] + moment) - time.begin();
   const bool after = part == Part::kAfter;
+  const double length = time[time.size() - 1] - time[0];
   RecordingQuestion q{"changed_midway", 0, 0, fmt::format("Something {} {:.3g} s does not fit with the rows {}, as a push, a load, an offset, an encoder that slipped or a sensor that failed",
                                                          after ? "after" : "before", moment, after ? "before" : "after")};
   q.other = after ? fmt::format("--rows 0:{}", row) : fmt::format("--rows {}:", row);
@@ -162,8 +165,12 @@ RecordingQuestion without_rows(Part part, double moment, const Recording& r) {
       if ((changed.time[k] - changed.time[0] > moment) == after) changed.tau.row(k).setConstant(std::nan(""));
     }
   };
-  q = numbered(std::move(q), 0.0, [](double) { return std::vector<RecordingQuestion>(); });
-  q.price += checking::kExcludedRowsCost * static_cast<double>(after ? r.rows() - row : row) / static_cast<double>(r.rows());
+  q = numbered(std::move(q), 0.0, [=](double distance) {
+    const double other = after ? moment + distance : moment - distance;
+    const double kept = after ? length - other : other;
+    return 3.0 * kept < length ? std::vector<RecordingQuestion>() : std::vector<RecordingQuestion>{without_rows(after ? Part::kBefore : Part::kAfter, other, time)};
+  });
+  q.price += checking::kExcludedRowsCost * static_cast<double>(after ? time.size() - row : row) / static_cast<double>(time.size());
   return q;
 }
 
@@ -185,8 +192,8 @@ constexpr Unit kShares[] = {{"share_of_range", "Positions are shares of the rang
 
 class List {
  public:
-  List(const Model& arm, const Recording& r, const std::vector<bool>& moves, const QuickFit& fit)
-      : arm_(arm), r_(r), torque_(r.current.size() > 0 ? "i" : "tau"), moves_(moves), shares_(fit.shares), joints_(joints_of(arm)), motion_{"q"} {
+  List(const Model& arm, const Recording& r, const SignalChoice& given, const std::vector<bool>& moves, const QuickFit& fit)
+      : arm_(arm), r_(r), given_(given), torque_(r.current.size() > 0 ? "i" : "tau"), moves_(moves), shares_(fit.shares), joints_(joints_of(arm)), motion_{"q"} {
     for (const Coordinate& c : arm.coordinates()) turning_ = turning_ || !c.prismatic, sliding_ = sliding_ || c.prismatic;
     if (r.dq.size() > 0) motion_.emplace_back("dq");
     if (r.ddq.size() > 0) motion_.emplace_back("ddq");
@@ -195,6 +202,7 @@ class List {
   }
 
   std::vector<RecordingQuestion> all(const QuickFit& fit) {
+    add_given_units();
     add_signs();
     if (sliding_) add_millimetres();
     if (turning_) add_angle_units();
@@ -226,6 +234,34 @@ class List {
     for (const std::string& s : signals) {
       const std::string unit = s == "i" ? "A" : s == "tau" ? (slides(i) ? "N" : "Nm") : (slides(i) ? "m" : "rad") + std::string(s == "dq" ? "/s" : s == "ddq" ? "/s2" : "");
       out = joined(out, text(s, i + 1, "=-", unit));
+    }
+    return out;
+  }
+
+  // Tests whether given units are wrong, and the signals in SI.
+  void add_given_units() {
+    std::string of_motion, signals;
+    for (const std::string& signal : all_) {
+      const std::string units = without_given(signal);
+      if (!units.empty()) add("given_unit", 0, "the unit of " + signal + " is not that of the recording", units);
+      if (units.empty() || signal == torque_) continue;
+      of_motion = joined(of_motion, units);
+      signals += (signals.empty() ? "" : " and ") + signal;
+    }
+    if (signals.find(' ') != std::string::npos) add("given_unit", 0, "the units of " + signals + " are not those of the recording", of_motion);
+  }
+
+  // Units that turn a signal back into the numbers of the file; empty: it was read as it is.
+  std::string without_given(const std::string& signal) const {
+    std::string out;
+    SignalChoice given = given_;
+    given.joints = joints_;
+    for (int i = 0; i < joints(); ++i) {
+      const recordings::UnitScale scale = recordings::scale_for(given, signal, i + 1);
+      if (scale.direction_bit) return "";
+      if (scale.changes_nothing()) continue;
+      out = joined(out, fmt::format("{}{}={:.17g}", signal, i + 1, 1.0 / scale.factor));
+      if (scale.zero != 0.0) out += fmt::format("@{:.17g}", -scale.factor * scale.zero);
     }
     return out;
   }
@@ -402,8 +438,8 @@ class List {
     for (const double constant : checking::kFilters) out_.push_back(torques_filtered(constant));
     for (int k = 1; k < checking::kMoments; ++k) {
       const double moment = k * length / checking::kMoments;
-      if (3 * k >= checking::kMoments) out_.push_back(without_rows(Part::kAfter, moment, r_));
-      if (3 * k <= 2 * checking::kMoments) out_.push_back(without_rows(Part::kBefore, moment, r_));
+      if (3 * k >= checking::kMoments) out_.push_back(without_rows(Part::kAfter, moment, r_.time));
+      if (3 * k <= 2 * checking::kMoments) out_.push_back(without_rows(Part::kBefore, moment, r_.time));
     }
   }
 
@@ -496,6 +532,7 @@ class List {
 
   const Model& arm_;
   const Recording& r_;
+  const SignalChoice& given_;
   std::string torque_;
   const std::vector<bool>& moves_;
   VectorXd shares_;  // unexplained share of each joint's squared torque
@@ -503,6 +540,93 @@ class List {
   Names motion_, all_;  // recorded signals of the motion; the same with the torque
   bool turning_ = false, sliding_ = false;
   std::vector<RecordingQuestion> out_;
+};
+
+std::string options_text(const std::string& units, const std::string& map) {
+  return (units.empty() ? "" : "--units " + units) + (units.empty() || map.empty() ? "" : " ") + (map.empty() ? "" : "--map " + map);
+}
+
+// The unit of numbers that were read in the unit `given` and are in the unit `found` after that.
+std::string composed(const std::string& signal, const std::string& given, const std::string& found, const WantedJoint& joint) {
+  if (given.empty()) return found;
+  const recordings::UnitScale a = recordings::unit_scale(signal, given, &joint).value(), b = recordings::unit_scale(signal, found, &joint).value();
+  const recordings::UnitScale both{a.factor * b.factor, a.zero + b.zero / a.factor};
+  if (std::abs(both.factor - 1.0) < checking::kTiny && both.zero == 0.0) return "";
+  if (b.factor == -1.0 && b.zero == 0.0) return given[0] == '-' ? given.substr(1) : "-" + given;
+  return recordings::unit_name(signal, both, joint);
+}
+
+// The options for a recording as it is in its file, from those with which it was read and the corrections of what was read.
+class ReadingOptions {
+ public:
+  ReadingOptions(const SignalChoice& given, const Model& arm) : given_(given), joints_(joints_of(arm)), map_(given.map) {
+    for (const char* signal : kSignals) {
+      for (std::size_t i = 0; i < joints_.size(); ++i) {
+        const std::string unit = recordings::unit_of(given, signal, static_cast<int>(i) + 1);
+        units_[signal].push_back(concerns(unit, i) ? unit : "");
+      }
+    }
+  }
+
+  void apply(const RecordingQuestion& q) {
+    changed_ = changed_ || (q.changes_recording() && !q.rows);
+    const std::map<std::string, std::string> map = map_;
+    const std::map<std::string, Names> units = units_;
+    for (const auto& [to, from] : assignments(q.map)) {
+      const auto source = map.find(from);
+      map_[to] = source != map.end() ? source->second : from;
+      if (map_[to] == to) map_.erase(to);
+      units_.at(column(to).first)[column(to).second] = units.at(column(from).first)[column(from).second];
+    }
+    for (const auto& [key, unit] : assignments(q.units)) {
+      const auto [signal, joint] = column(key);
+      for (std::size_t i = 0; i < joints_.size(); ++i) {
+        std::string& name = units_.at(signal)[i];
+        if (joint < 0 ? concerns(unit, i) : static_cast<std::size_t>(joint) == i) name = composed(signal, name, unit, joints_[i]);
+      }
+    }
+  }
+
+  // The options that replace the given ones; empty if they remain.
+  std::string words() const {
+    if (!changed_) return "";
+    std::string units, of_joints, map;
+    for (const char* signal : kSignals) {
+      if (const std::string most = most_frequent(signal); !most.empty()) units = joined(units, text(signal, "=", most));
+      for (const auto& [to, source] : map_) {
+        if (column(to).first == signal) map = joined(map, to + "=" + source);
+      }
+    }
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      for (const char* signal : kSignals) {
+        const std::string most = most_frequent(signal), &own = units_.at(signal)[i];
+        if (own == most || (own.empty() && !concerns(most, i))) continue;
+        of_joints = joined(of_joints, text(signal, i + 1, "=", own.empty() ? recordings::unit_name(signal, {}, joints_[i]) : own));
+      }
+    }
+    units = joined(units, of_joints);
+    if (const auto clock = given_.units.find("t"); clock != given_.units.end()) units = joined(units, "t=" + clock->second);
+    const std::string out = options_text(units, map);
+    return out.empty() ? "leaving out " + given_options(given_) : out;
+  }
+
+ private:
+  bool concerns(const std::string& unit, std::size_t i) const { return !recordings::is_unit_of_other_joint_type(unit, joints_[i]); }
+
+  // The unit of more than half of the joints, or empty.
+  std::string most_frequent(const std::string& signal) const {
+    const Names& names = units_.at(signal);
+    for (const std::string& name : names) {
+      if (2 * std::count(names.begin(), names.end(), name) > static_cast<long>(names.size())) return name;
+    }
+    return "";
+  }
+
+  const SignalChoice& given_;
+  std::vector<WantedJoint> joints_;
+  std::map<std::string, std::string> map_;
+  std::map<std::string, Names> units_;  // of each joint; empty: SI
+  bool changed_ = false;
 };
 
 // True if the hypothesis concerns the unit of positions, of which there is only one.
@@ -525,8 +649,8 @@ bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
   return joint == 0 || o.joint == 0 || concerns(joint) || concerns(second);
 }
 
-std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::vector<bool>& moves, const QuickFit& fit) {
-  return List(arm, recording, moves, fit).all(fit);
+std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const SignalChoice& given, const std::vector<bool>& moves, const QuickFit& fit) {
+  return List(arm, recording, given, moves, fit).all(fit);
 }
 
 bool leaves_limits(const Model& arm, int i, const Recording& recording) {
@@ -561,25 +685,22 @@ RecordingQuestion gravity_along(const Eigen::Vector3d& gravity) {
   return q;
 }
 
-std::string options_of(const std::vector<RecordingQuestion>& questions) {
-  std::vector<std::pair<std::string, std::string>> units;  // units of each signal
-  std::string map, other;
+std::string options_of(const std::vector<RecordingQuestion>& questions, const SignalChoice& given, const Model& arm) {
+  ReadingOptions options(given, arm);
+  std::string other;
   for (const RecordingQuestion& q : questions) {
-    for (const auto& one : assignments(q.units)) units.push_back(one);
-    map = joined(map, q.map);
+    options.apply(q);
     if (!q.other.empty()) other += (other.empty() ? "" : " ") + q.other;
   }
-  std::string out;
-  for (const auto& [signal, unit] : units) {
-    // Combines the sign of one joint with the unit of all joints.
-    const std::string whole = column(signal).first;
-    const auto all = std::find_if(units.begin(), units.end(), [&](const auto& one) { return one.first == whole; });
-    const bool sign_alone = whole != signal && unit[0] == '-' && all != units.end();
-    out = joined(out, signal + "=" + (!sign_alone ? unit : all->second[0] == '-' ? all->second.substr(1) : "-" + all->second));
-  }
-  if (!out.empty()) out = "--units " + out;
-  if (!map.empty()) out += (out.empty() ? "" : " ") + ("--map " + map);
-  return out.empty() || other.empty() ? out + other : out + " " + other;
+  const std::string reading = options.words();
+  return reading.empty() || other.empty() ? reading + other : reading + " " + other;
+}
+
+std::string given_options(const SignalChoice& given) {
+  std::string units, map;
+  for (const auto& [key, unit] : given.units) units = joined(units, key + "=" + unit);
+  for (const auto& [key, source] : given.map) map = joined(map, key + "=" + source);
+  return options_text(units, map);
 }
 
 bool any_changes_robot(const std::vector<RecordingQuestion>& set) {
@@ -604,7 +725,7 @@ void apply_to(const std::vector<RecordingQuestion>& set, const Model& arm, Recor
   }
   for (const RecordingQuestion& q : set) {
     if (q.rows) q.rows(recording);
-    for (const char* signal : {"q", "dq", "ddq", "tau", "i"}) {
+    for (const char* signal : kSignals) {
       MatrixXd* values = columns_of(signal, recording);
       if (q.units.empty() || values == nullptr) continue;
       const std::vector<recordings::UnitScale> scales = scales_of(signal, q.units, arm);

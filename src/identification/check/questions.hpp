@@ -21,7 +21,8 @@ struct RecordingQuestion {
   std::string other = {};  ///< other correction: an option, or an entry of the robot file
   std::function<void(Recording&)> rows = {};  ///< correction of the rows, if `other` concerns the recording
   std::function<void(ModelDescription&)> robot = {};  ///< correction of the robot; null: none
-  /// Hypotheses at a distance from this one: directions of gravity [rad], relative gear ratios; null: none.
+  /// Hypotheses at a distance from this one: directions of gravity [rad], relative gear ratios; where rows are
+  /// excluded, the same for the rows on the other side [s], if they are a third of all; null: none.
   std::function<std::vector<RecordingQuestion>(double)> neighbours = {};
   double first_distance = 0.0;  ///< distance between the hypotheses of the list
   double price = 0.0;           ///< cost of a fitted number, in addition to that of every hypothesis
@@ -37,10 +38,11 @@ struct RecordingQuestion {
 };
 
 /// The hypotheses: units, signs, exchanged joints, direction of gravity, convention of DH rows.
+/// @param given  options with which the recording was read: each unit may be wrong.
 /// @param moves  joints that move.
 /// @param fit  fit of the recording with the transformations found so far: joints that it explains are not
 /// exchanged.
-std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const std::vector<bool>& moves, const QuickFit& fit);
+std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const SignalChoice& given, const std::vector<bool>& moves, const QuickFit& fit);
 
 /// True if positions of a joint (from 0) lie outside of its limits.
 bool leaves_limits(const Model& arm, int joint, const Recording& recording);
@@ -48,8 +50,12 @@ bool leaves_limits(const Model& arm, int joint, const Recording& recording);
 /// Gravity in this direction; zero: the torques contain no gravity.
 RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);
 
-/// Options that correct all of these mistakes: "--units q=deg --map tau1=tau2,tau2=tau1".
-std::string options_of(const std::vector<RecordingQuestion>& questions);
+/// Options that correct all of these mistakes in a recording that was read with the given options, and replace them:
+/// "--units q=deg --map tau1=tau2,tau2=tau1".
+std::string options_of(const std::vector<RecordingQuestion>& questions, const SignalChoice& given, const Model& arm);
+
+/// The given units and maps as options: "--units q=deg"; empty: none.
+std::string given_options(const SignalChoice& given);
 
 /// True if some of them change the robot.
 bool any_changes_robot(const std::vector<RecordingQuestion>& set);

@@ -111,16 +111,17 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   out->products.assign(checking::kFolds, none);
   out->power = MatrixXd::Zero(n, base_.size());
   out->speed2 = VectorXd::Zero(n);
-  // Folds divide the time between the first and the last torque, so that no fold is empty.
-  double begin = recording.time[recording.rows() - 1] - recording.time[0], duration = 0.0;  // [s] since the recording began
+  // Folds divide the time from the end of the start-up to the last torque, so that no fold is empty. Segments count from the first one.
+  double begin = 0.0, duration = 0.0;
   for (Eigen::Index k = 0; k < recording.tau.rows(); ++k) {
     if (!recording.tau.row(k).array().isFinite().any()) continue;
-    begin = std::min(begin, recording.time[k] - recording.time[0]);
-    duration = recording.time[k] - recording.time[0] - begin;
+    if (duration == 0.0) begin = recording.time[k];
+    duration = std::max(recording.time[k] - begin, checking::kShortestStep);
   }
+  const bool repeats = facts_.period > 0.0 && duration >= facts_.period;
   const auto fold_of = [&](double time) {
-    const double turns = facts_.period > 0.0 ? time / facts_.period : (time - begin) / std::max(duration, checking::kShortestStep);
-    return std::clamp(static_cast<int>(checking::kFolds * (facts_.period > 0.0 ? turns - std::floor(turns) : turns)), 0, checking::kFolds - 1);
+    const double turns = repeats ? time / facts_.period : (time - options_.drop_start) / std::max(duration - options_.drop_start, checking::kShortestStep);
+    return std::clamp(static_cast<int>(checking::kFolds * (repeats ? turns - std::floor(turns) : turns)), 0, checking::kFolds - 1);
   };
   const auto add = [&](const Segment& s) {
     const std::vector<JointRows> rows = columns.rows(s);

@@ -12,6 +12,7 @@
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
+#include "identification/identification_numbers.hpp"
 #include "math/correlated_columns.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
@@ -26,6 +27,11 @@ namespace {
 
 std::string percent_text(double share) {
   return text(quality::number(100.0 * share), " %");
+}
+
+std::string uncapitalised(std::string sentence) {
+  sentence.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence.front())));
+  return sentence;
 }
 
 // A set of accepted hypotheses with the fit after their corrections.
@@ -66,23 +72,31 @@ class RobotCheck {
       const bool whole = recording_.rows() >= checking::kRowsOfAnArm;
       if (whole && has_sizes_without_sign(before)) best_ = none;
       else if (whole) report_unexplained();
-      const bool mends = is_explained(best_) || best_.fit.relative_error() < checking::kClearImprovement * before.relative_error();
+      out.mends = is_explained(best_) || best_.fit.relative_error() < checking::kClearImprovement * before.relative_error();
       const auto causes = std::remove_if(best_.set.begin(), best_.set.end(), [this](const RecordingQuestion& q) { return excludes_causes_ && q.is_cause; });
       if (causes != best_.set.end()) {
         best_.set.erase(causes, best_.set.end());
         best_.fit = fit_of(best_.set);
       }
-      report(before.relative_error());
+      report(before.relative_error(), other_sound_part());
+      report_values();
       report_weak_motions();
-      if (mends) out.set = std::move(best_.set);
+      out.set = std::move(best_.set);
     }
-    report_hardly_moving_joints(corrected_recording(out.set));
-    report_efforts(corrected_recording(out.set));
+    const Recording corrected = corrected_recording(out.mends ? out.set : std::vector<RecordingQuestion>());
+    report_hardly_moving_joints(corrected);
+    report_efforts(corrected);
+    report_limits(corrected);
     out.findings = std::move(findings_);
     return out;
   }
 
-  bool would_explain(const std::vector<RecordingQuestion>& set) const { return is_clear_improvement(fit_of(set), fit_of({})); }
+  bool would_explain(const std::vector<RecordingQuestion>& set) const {
+    const QuickFit before = fit_of({});
+    return !is_explained(before) && is_clear_improvement(fit_of(set), before);
+  }
+
+  bool fits_better_without(const std::vector<RecordingQuestion>& set) { return is_identifiable() && fit_of(set).misfit > fit_of({}).misfit + checking::kMisfitDecrease; }
 
   // True unless the remaining error is so large that the correction may only imitate a missing effect.
   static bool helps(const Answer& answer, const QuickFit& before) {
@@ -110,6 +124,16 @@ class RobotCheck {
   }
 
   void report_unexplained() {
+    report_not_this_arm();
+    int worst = 0;
+    const double left = std::sqrt(best_.fit.fitted.maxCoeff(&worst));
+    if (!findings_.empty() || !moves(worst) || !(left > checking::kCheckAboveError)) return;
+    add_finding("unexplained", worst + 1, left,
+        text("With all its parameters free ", given_.name(), " leaves ", percent_text(left), " of the torque of ", joint_text(worst),
+             ": it lacks something, or something is wrong with the recording; `veridyn diagnose` asks what."), Severity::kWarning);
+  }
+
+  void report_not_this_arm() {
     if (best_.fit.relative_error() > checking::kUnexplained && best_.fit.fitted_relative_error() > checking::kUnexplained) {
       add_finding("unexplained", 0, best_.fit.relative_error(),
           text("With all its parameters free ", given_.name(), " leaves ", percent_text(best_.fit.relative_error()),
@@ -273,7 +297,7 @@ class RobotCheck {
   // Hypotheses that remain after those accepted so far. If only the file's values or the sign of friction
   // contradict, they concern torques and gravity.
   std::vector<RecordingQuestion> open_questions(const Answer& so_far) const {
-    std::vector<RecordingQuestion> all = questions_of(given_, recording_, moves_, so_far.fit);
+    std::vector<RecordingQuestion> all = questions_of(given_, recording_, options_.signals, moves_, so_far.fit);
     const bool fits = so_far.fit.is_near();
     const auto closed = [&](const RecordingQuestion& q) {
       if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
@@ -434,6 +458,20 @@ class RobotCheck {
           text("The torque of ", names, " reaches ", quality::number(most), " times the effort of the robot file: another unit, another drive gain, or a wrong effort?"));
   }
 
+  // Reports joints outside of their limits, or faster than these, by as much as no joint with such limits moves.
+  void report_limits(const Recording& recording) {
+    for (int i = 0; i < joints(); ++i) {
+      const Limits& limits = given_.coordinates()[static_cast<size_t>(i)].limits;
+      const double furthest = recording.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
+      if (moves(i) && leaves_limits(given_, i, recording))
+        add_finding("beyond_limits", i + 1, furthest, text("The position of ", joint_text(i), " reaches ", quality::number(furthest), ", and the limits of the robot file are ", quality::number(limits.lower), " to ", quality::number(limits.upper),
+                                                           ": another unit, another zero, or wrong limits?"), Severity::kWarning);
+      const double speed = recording.dq.size() > 0 ? recording.dq.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>() : 0.0;
+      if (limits.velocity > 0.0 && speed > checking::kBeyondEffort * limits.velocity)
+        add_finding("beyond_speed", i + 1, speed, text("The speed of ", joint_text(i), " reaches ", quality::number(speed / limits.velocity), " times the limit of the robot file: another unit, or a wrong limit?"), Severity::kWarning);
+    }
+  }
+
   // True if the corrected positions are within the limits, or outside no more than those recorded, and torques within the
   // efforts. A change of units also needs positions that cannot be radians.
   bool is_possible(const Answer& answer) const {
@@ -441,7 +479,7 @@ class RobotCheck {
     if (q.finding == "torque_unit" && beyond_efforts(corrected_recording(answer.set)) > beyond_efforts(recording_)) return false;
     const int as_recorded = beyond_limits(recording_);
     const auto limited = [](const Coordinate& c) { return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower); };
-    if (q.units.rfind("q=", 0) == 0 && q.finding != "turns")
+    if (q.units.rfind("q=", 0) == 0 && q.finding != "turns" && q.finding != "given_unit")
       return as_recorded > 0 || std::none_of(given_.coordinates().begin(), given_.coordinates().end(), limited);
     return beyond_limits(corrected_recording(answer.set)) <= as_recorded;
   }
@@ -449,9 +487,7 @@ class RobotCheck {
   void report_uncertain(const Answer& answer, const std::string& but) {
     const RecordingQuestion& q = answer.set.back();
     if (recording_.rows() < checking::kRowsOfAnArm) return;
-    std::string what = q.what;
-    what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    add_finding(q.finding, q.joint, answer.fit.relative_error(), text("Perhaps ", what, ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
+    add_finding(q.finding, q.joint, answer.fit.relative_error(), text("Perhaps ", uncapitalised(q.what), ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
         Severity::kInfo);
   }
 
@@ -460,17 +496,79 @@ class RobotCheck {
     return q.finding == "torque_sign" ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
   }
 
+  // Relative error (n) of the torques that were not excluded with the values of the robot, divided by that with free ones; empty
+  // unless all values are known, those of friction included.
+  VectorXd values_against_free(const Answer& answer) const {
+    if (given_.description().values != RobotValues::kFacts || given_.effects().empty() || !has_all_values(given_)) return {};
+    IdentificationOptions how;
+    how.preprocessing = options_;
+    how.preprocessing.kept.reset();  // those of the name, not of these rows
+    const Recording corrected = corrected_recording(answer.set);
+    int first = 0, end = corrected.rows();
+    while (first < end && !corrected.tau.row(first).array().isFinite().any()) ++first;
+    while (first < end && !corrected.tau.row(end - 1).array().isFinite().any()) --end;
+    try {
+      VectorXd out = evaluate(corrected_arm(answer.set, given_), rows_of(corrected, first, end - first), {}, how).train_error.relative;
+      for (int i = 0; i < out.size(); ++i) out[i] = moves(i) ? out[i] / free_error(answer, i) : 0.0;
+      return out;
+    } catch (const InvalidInput&) {
+      return {};  // too few rows are left
+    }
+  }
+
+  static double free_error(const Answer& answer, int joint) { return std::max(std::sqrt(answer.fit.shares[joint]), checking::kExact); }
+
+  bool is_explained_by_values(const Answer& answer) const {
+    const VectorXd ratios = values_against_free(answer);
+    return ratios.size() > 0 && ratios.maxCoeff() <= identifying::numbers.outstanding;
+  }
+
+  // If something changes within the recording, keeps the part that the known values explain. Returns the option for the other
+  // part if it fits as well and nothing tells which one is sound.
+  std::string other_sound_part() {
+    const auto cut = std::find_if(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& q) { return q.finding == "changed_midway"; });
+    if (cut == best_.set.end()) return "";
+    const double step = (recording_.time[recording_.rows() - 1] - recording_.time[0]) / checking::kMoments;
+    Answer rest;  // the part on the other side of the change that fits best
+    std::vector<RecordingQuestion> other;
+    for (int k = 0; !(other = cut->neighbours(k * step)).empty(); ++k) {
+      Answer one = best_;
+      one.set[static_cast<std::size_t>(cut - best_.set.begin())] = other.front();
+      one.fit = fit_of(one.set);
+      if (rest.set.empty() || one.fit.fitted_relative_error() < rest.fit.fitted_relative_error()) rest = std::move(one);
+    }
+    if (rest.set.empty() || rest.fit.fitted_relative_error() > identifying::numbers.outstanding * best_.fit.fitted_relative_error()) return "";
+    const std::string option = rest.set[static_cast<std::size_t>(cut - best_.set.begin())].other;
+    const bool here = is_explained_by_values(best_), there = is_explained_by_values(rest);
+    if (there && !here) best_ = std::move(rest);
+    return here != there ? "" : option;
+  }
+
+  // Reports the joint whose torque the known values of the robot explain far worse than free ones, if nothing else is wrong.
+  void report_values() {
+    if (!findings_.empty()) return;
+    const VectorXd ratios = values_against_free(best_);
+    int worst = 0;
+    if (ratios.size() == 0 || !(ratios.maxCoeff(&worst) > identifying::numbers.outstanding)) return;
+    const double left = ratios[worst] * free_error(best_, worst);
+    add_finding("values", worst + 1, left,
+        text("The values of ", given_.name(), " leave ", percent_text(left), " of the torque of ", joint_text(worst), ", free parameters ", percent_text(std::sqrt(best_.fit.shares[worst])),
+             ": another load, friction, zero or mount than the robot file has? `veridyn diagnose` asks what changed."), Severity::kWarning);
+  }
+
   // Reports one line for each accepted hypothesis, with the error without it and all options together.
-  void report(double before) {
+  // @param also  option that does as well as that of a change within the recording; empty: none.
+  void report(double before, const std::string& also) {
     std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
-    const std::string options = options_of(best_.set);
+    const std::string given = given_options(options_.signals), options = options_of(best_.set, options_.signals, given_);
     for (const RecordingQuestion& q : best_.set) {
       std::vector<RecordingQuestion> others = best_.set;
       others.erase(others.begin() + (&q - best_.set.data()));
       const double without = others.empty() ? before : fit_of(others).relative_error();
       const double left = best_.fit.relative_error();
-      std::string sentence = q.what + ": " + reason_for(q, left, without) + "; ";
-      if (is_explained(best_)) sentence += options + " mends it.";
+      const bool read_with_options = !given.empty() && q.changes_recording() && !q.rows;
+      std::string sentence = (read_with_options ? "Read with " + given + ", " + uncapitalised(q.what) : q.what) + ": " + reason_for(q, left, without) + "; ";
+      if (is_explained(best_)) sentence += options + (also.empty() ? " mends it." : " mends it, and so does " + also + "; these rows do not tell which part is sound.");
       else sentence += text(options, " makes it better, but the noise is at ", percent_text(best_.fit.noise()), ": not the whole truth.");
       add_finding(q.finding, q.joint, left, sentence);
     }
@@ -542,6 +640,11 @@ RobotAnswers answers_of(const Model& arm, const std::string& recording, const Pr
 bool would_explain(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
   const std::optional<RobotCheck> check = check_of(arm, recording, options);
   return check && check->would_explain(set);
+}
+
+bool fits_better_without(const std::vector<RecordingQuestion>& set, const Model& arm, const std::string& recording, const PreprocessingOptions& options) {
+  std::optional<RobotCheck> check = check_of(arm, recording, options);
+  return check && check->fits_better_without(set);
 }
 
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path, const PreprocessingOptions& options) {

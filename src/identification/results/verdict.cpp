@@ -8,8 +8,10 @@
 #include <iterator>
 #include <ostream>
 
+#include "effects/plain_friction.hpp"
 #include "identification/identification_numbers.hpp"
 #include "math/numbers.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
@@ -33,6 +35,25 @@ double share_of_speed(const Identification& id, const Coordinate& joint, size_t 
   return std::isfinite(joint.limits.velocity) ? largest / joint.limits.velocity : kNaN;
 }
 
+// Relative error of the joint's torque in a fit of its offset alone to the training recordings; infinite without one.
+double error_of_constant(const Identification& id, size_t i) {
+  const std::vector<StandardParameter> parameters = standard_parameters(*id.model);
+  const std::vector<std::string> names = parameter_names(parameters);
+  std::vector<std::string> offset;
+  for (size_t j = 0; j < parameters.size(); ++j) {
+    const EffectTerm* term = parameters[j].effect ? &id.model->effects()[static_cast<size_t>(*parameters[j].effect)] : nullptr;
+    if (term != nullptr && term->effect == kPlainOffset && main_coordinate(term->axis) == static_cast<int>(i)) offset = {names[j]};
+  }
+  double left2 = 0.0, torque2 = 0.0;
+  for (const CompressedRecording& r : id.factors) {
+    SquareRootInformation of_offset(offset);
+    for (const auto& block : r.blocks) of_offset.merge(block[i].restricted(offset));
+    left2 += of_offset.rho2();
+    torque2 += of_offset.rhs_norm2();
+  }
+  return offset.empty() || !(torque2 > 0.0) ? kInfinity : std::sqrt(left2 / torque2);
+}
+
 bool rests_in_test(const Identification& id, const std::string& joint) {
   return std::find(id.still_in_test.begin(), id.still_in_test.end(), joint) != id.still_in_test.end();
 }
@@ -41,8 +62,9 @@ IdentifiedState state_of(const Identification& id, const IdentifiedJoint& j) {
   if (j.range < identifying::numbers.hardly_moves && j.speed < identifying::numbers.hardly_moves) return IdentifiedState::kHardlyMoved;
   if (!std::isfinite(j.error)) return IdentifiedState::kNoTorque;
   if (!std::isfinite(j.floor) || rests_in_test(id, j.joint)) return IdentifiedState::kCannotTell;
-  if (j.error <= identifying::numbers.below_any_sensor || j.error <= identifying::numbers.far_above_floor * j.floor) return IdentifiedState::kAtFloor;
-  return IdentifiedState::kUnexplained;
+  if (j.error > identifying::numbers.below_any_sensor && j.error > identifying::numbers.far_above_floor * j.floor) return IdentifiedState::kUnexplained;
+  const bool follows = 2.0 * j.error * j.error < j.constant * j.constant;  // from the motion, more than half of it
+  return follows ? IdentifiedState::kAtFloor : IdentifiedState::kCannotTell;
 }
 
 std::string two_digits(double value) { return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value); }
@@ -75,7 +97,7 @@ std::string sentence_of(const Identification& id, const IdentificationVerdict& v
   std::string out = listed(joints_in(v, IdentifiedState::kHardlyMoved), "moved", "moved",
                            "over {} of the range: record again with a motion of `veridyn excite`",
                            [](const IdentifiedJoint& j) { return in_percent(j.range); });
-  out += listed(joints_in(v, IdentifiedState::kUnexplained), "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
+  out += listed(joints_in(v, IdentifiedState::kUnexplained), "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` asks why",
                 [](const IdentifiedJoint& j) {
                   return j.error > identifying::kLargestRatio * j.floor ? fmt::format("over {:.0f}", identifying::kLargestRatio)
                                                                         : two_digits(j.error / j.floor);
@@ -93,11 +115,13 @@ std::string sentence_of(const Identification& id, const IdentificationVerdict& v
   out += listed(quiet, "is", "are", "at the noise (error {} " + whose + ")", error);
   out += listed(small, "leaves", "leave", "{} " + whose + ", more than the noise, less than most torque sensors resolve", error);
   out += listed(loud, "leaves", "leave",
-                "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` what drifts", error);
+                "{} " + whose + ", about what its repetitions differ by: `veridyn check` names noise, spikes and wrong times, `veridyn diagnose` asks what drifts", error);
   std::vector<IdentifiedJoint> resting = joints_in(v, IdentifiedState::kCannotTell);
   const auto first_moving = std::stable_partition(resting.begin(), resting.end(), [&id](const IdentifiedJoint& j) { return rests_in_test(id, j.joint); });
-  const std::vector<IdentifiedJoint> unknown(first_moving, resting.end());
+  const auto first_unknown = std::stable_partition(first_moving, resting.end(), [](const IdentifiedJoint& j) { return std::isfinite(j.floor); });
+  const std::vector<IdentifiedJoint> constant(first_moving, first_unknown), unknown(first_unknown, resting.end());
   resting.erase(first_moving, resting.end());
+  out += listed(constant, "leaves", "leave", "{} " + whose + ", and a constant torque hardly more: little of it follows from the motion", error);
   out += listed(resting, "hardly moves", "hardly move", "in the test recordings and leave {} there, dry friction included: a test on a motion judges friction and inertia", error);
   out += listed(unknown, "leaves", "leave",
                 "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
@@ -139,6 +163,7 @@ IdentificationVerdict verdict_of(const Identification& id) {
     j.joint = joints[i].name;
     j.error = error[k];
     j.floor = k < id.noise_floor.size() ? std::min(id.noise_floor[k], j.error) : kNaN;
+    j.constant = error_of_constant(id, i);
     j.range = share_of_range(id, joints[i], i);
     j.speed = share_of_speed(id, joints[i], i);
     j.state = state_of(id, j);

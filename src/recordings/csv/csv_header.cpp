@@ -99,6 +99,7 @@ std::optional<CsvHeader> find_csv_header(CsvLines& lines, const RecordingOptions
 }
 
 bool is_plain(const CsvHeader& header) {
+  if (!header.units.empty()) return false;
   const auto has = [&header](const char* name) {
     return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
   };

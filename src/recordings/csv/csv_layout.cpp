@@ -87,7 +87,7 @@ int joints_of(int signal, const std::vector<ColumnName>& columns, const std::str
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const int expected = static_cast<int>(k) + 1;
     require(k == 0 || numbers[k] != numbers[k - 1], where, ": found column ", name, numbers[k],
-            " twice, expected it once.");
+            " twice, expected it once: rename the one that is not to be used.");
     require(numbers[0] != 0, where, ": found ", name, "0, expected joints to count from 1 (", name,
             "1, ", name, "2, ...).");
     require(numbers[k] == expected, where, ": found ", name, numbers[k], " but no ", name, expected,
@@ -175,7 +175,7 @@ std::vector<std::string> csv_fields(std::string_view line, char separator) {
 }
 
 bool is_missing_value(std::string field) {
-  static const std::set<std::string> kNothing = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "-", "--"};
+  static const std::set<std::string> kNothing = {"null", "none", "nil", "na", "n/a", "#n/a", "#num!", "#value!", "#div/0!", "#ref!", "#name?", "-", "--"};
   return kNothing.count(to_lower(std::move(field))) > 0;
 }
 

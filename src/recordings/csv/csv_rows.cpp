@@ -126,7 +126,7 @@ class RowParser {
 
   [[noreturn]] void fail_ragged() const {
     throw InvalidInput(text(where(), ": found ", csv_fields(line_, layout_.separator).size(),
-                            " fields, expected ", layout_.slots.size(), "."));
+                            " fields, expected ", layout_.slots.size(), csv_fields(line_, layout_.separator).size() == 2 * layout_.slots.size() ? ": decimal commas between commas? Write decimal points, or semicolons between the columns." : "."));
   }
 
   std::string where() const { return text(lines_.path(), ":", lines_.number()); }

@@ -103,6 +103,12 @@ class Table {
     std::string_view line = header_.first_row;
     for (long number = 0; !line.empty() || lines_.next(&line); ++number, line = {}) {
       const std::vector<std::string> fields = csv_fields(line, header_.separator);
+      if (fields == header_.names || (fields == header_.units && number > 0)) {
+        ++repeated_;
+        --number;
+        below_header_ = true;
+        continue;
+      }
       if (fields.size() < header_.names.size() && lines_.at_end()) {
         raw_.remarks.emplace_back("the last row is cut and left out.");
         break;
@@ -114,6 +120,7 @@ class Table {
     }
     if (skipped_ > 0)
       raw_.remarks.push_back(text(skipped_, skipped_ == 1 ? " row has no time and is" : " rows have no time and are", " left out."));
+    if (repeated_ > 0) raw_.remarks.push_back(text(repeated_, repeated_ == 1 ? " line repeats" : " lines repeat", " the header or its units and ", repeated_ == 1 ? "is" : "are", " left out."));
   }
 
   // Reads the names of the joints from their own columns, in the first row.
@@ -143,6 +150,12 @@ class Table {
     return column ? nanoseconds_of(fields[*column], 1).value_or(0) : 0;
   }
 
+  // A time for comparisons, whatever its unit.
+  static double moment_of(const std::string& time) {
+    const std::optional<std::int64_t> date = date_nanoseconds(time);
+    return date ? static_cast<double>(*date) : std::strtod(time.c_str(), nullptr);
+  }
+
   void append_row(const std::vector<std::string>& fields, long number) {
     values_.resize(raw_.streams.size());
     for (std::vector<double>& values : values_) values.clear();
@@ -160,6 +173,9 @@ class Table {
       }
       require(nanoseconds_of(row.time, 1).has_value(), lines_.path(), ":", lines_.number(), ":", column + 1, ": found '",
               row.time.substr(0, 40), "' in column ", header_.names[column], ", expected a time.");
+      require(!below_header_ || rows_.empty() || moment_of(row.time) > moment_of(rows_.back().time), lines_.path(), ":", lines_.number(),
+              ": found the header again and an earlier time, expected one recording: a second one begins here, split the file.");
+      below_header_ = false;
     }
     std::int64_t stamp = nanoseconds_in(fields, header_.time.stamped);
     if (std::abs(stamp) > kLargestTime) stamp = 0;
@@ -233,7 +249,8 @@ class Table {
   std::map<int, std::size_t> names_column_;  // column with the name of the joint of each number
   std::vector<RowTime> rows_;
   std::vector<std::vector<double>> values_;  // values of the present row, stream by stream
-  long skipped_ = 0;
+  long skipped_ = 0, repeated_ = 0;  // rows without a time; lines that repeat the header
+  bool below_header_ = false;        // the line before repeats the header
 };
 
 // True for a header of a table, and not of a plain recording or of anything else.

@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kQ = 0, kTau = 3, kCurrent = 4;
 constexpr std::size_t kNamed = 12;  // largest number of names in a message
+constexpr std::size_t kDigits = 6;  // of the number of a joint; longer ones are none
 
 template <typename List, typename Value>
 bool contains(const List& list, const Value& value) {
@@ -284,6 +285,26 @@ ChosenFields mapped_joints(std::size_t joints, const SignalChoice& choice) {
   return chosen;
 }
 
+// Gives the joints of each signal that are numbered from another base than the positions of their topic the numbers of
+// these.
+void number_as_positions(RawRecording& raw) {
+  std::map<std::pair<std::string, int>, std::set<long>> numbers;
+  for (const RawStream& stream : raw.streams) {
+    for (const RawField& field : stream.fields) {
+      if (field.signal >= 0) numbers[{stream.topic, field.signal}].insert(is_number(field.joint) ? std::stol(field.joint.substr(0, kDigits)) : -1);
+    }
+  }
+  for (RawStream& stream : raw.streams) {
+    const std::set<long>& of_positions = numbers[{stream.topic, kQ}];
+    for (RawField& field : stream.fields) {
+      if (field.signal < 0 || of_positions.empty()) continue;
+      const std::set<long>& own = numbers[{stream.topic, field.signal}];
+      const bool contiguous = *own.begin() >= 0 && *own.rbegin() - *own.begin() == *of_positions.rbegin() - *of_positions.begin() && own.size() == of_positions.size();
+      if (contiguous && *of_positions.begin() >= 0 && *own.begin() != *of_positions.begin()) field.joint = std::to_string(std::stol(field.joint) - *own.begin() + *of_positions.begin());
+    }
+  }
+}
+
 }  // namespace
 
 std::string first_listed(std::vector<std::string> names) {
@@ -295,6 +316,7 @@ std::string first_listed(std::vector<std::string> names) {
 ChosenFields choose_fields(RawRecording& raw, const std::string& path, const SignalChoice& choice) {
   require_topics(raw, path, choice);
   name_bare_positions(choice, raw);
+  number_as_positions(raw);
   const FieldMap map = field_map(raw, path, choice);
   const std::size_t mapped = map.mapped_joints(choice.joints.size());
   ChosenFields chosen = mapped > 0 ? mapped_joints(mapped, choice) : fields_of_best_topic(raw, path, choice, map);

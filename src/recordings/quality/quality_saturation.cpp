@@ -199,6 +199,9 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
                          ") to the other ", counted(steps, "time"), " while the joint moves on: a register that overflows?"));
       continue;
     }
+    // Within one step of a coarse torque a wave is as flat as a limit.
+    const std::vector<double> changes = changes_of(values);
+    if (!changes.empty() && quantile(changes, numbers.ends) > (1.0 - numbers.near_largest) * values.cwiseAbs().maxCoeff()) continue;
     for (const double sign : {1.0, -1.0}) {
       const std::vector<double> held = plateau_values(head, sign * values, load.joint);
       if (held.empty()) continue;

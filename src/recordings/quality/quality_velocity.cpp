@@ -168,7 +168,8 @@ void report_joint_scale(const VelocityFit& fit, Findings* findings) {
 
 // Reports factors of the velocities. The same factor on all joints is attributed to the clock (or the unit),
 // different ones to single channels.
-void report_scales(const Head& head, const std::vector<VelocityFit>& fits, Findings* findings) {
+// @param related  the velocity of every joint is that of its position: no clock explains others.
+void report_scales(const Head& head, const std::vector<VelocityFit>& fits, bool related, Findings* findings) {
   if (fits.empty()) return;
   std::vector<double> factors;
   for (const VelocityFit& fit : fits) factors.push_back(fit.factor);
@@ -176,7 +177,7 @@ void report_scales(const Head& head, const std::vector<VelocityFit>& fits, Findi
   const double common = quantile(factors, 0.5);
   // With a single joint, a factor near one may be the fault of its sensor rather than of the clock.
   const double threshold = fits.size() > 1 ? numbers.scale_error : numbers.clock_error;
-  const bool clock = common > 0.0 && *high - *low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
+  const bool clock = related && common > 0.0 && *high - *low < numbers.one_clock * common && std::abs(common - 1.0) > threshold &&
                      std::abs(common / kDegrees - 1.0) > numbers.degree_error && std::abs(common * kDegrees - 1.0) > numbers.degree_error;
   if (!clock) {
     for (const VelocityFit& fit : fits) {
@@ -208,6 +209,7 @@ void report_unrelated(const Head& head, const VelocityFit& fit, Findings* findin
 
 void check_velocities(const Head& head, Findings* findings) {
   std::vector<VelocityFit> fits;
+  bool related = true;
   for (int j = 0; j < head.rows.dq.cols(); ++j) {
     if (!head.moves[j]) continue;
     const VelocityFit fit = velocity_fit(head, j, j);
@@ -216,14 +218,17 @@ void check_velocities(const Head& head, Findings* findings) {
     if (fit.zero && steady) report_joint_scale(fit, findings);
     const double range = range_of(head.rows.dq.col(j));
     check_quantised(head, fit, range, findings);
-    if (!fit.clear && std::abs(fit.correlation) < numbers.related && steady) report_unrelated(head, fit, findings);
+    if (!fit.clear && std::abs(fit.correlation) < numbers.related && steady) {
+      report_unrelated(head, fit, findings);
+      related = false;
+    }
     if (!fit.clear) continue;
     if (std::abs(fit.factor - 1.0) <= numbers.scale_error) check_noise(head, j, range, findings);
     // A delay reduces the factor, by the cosine of its phase at the frequency of the motion.
     const bool delayed = check_delay(head, j, findings);
     if (!delayed || fit.factor >= 1.0 || fit.factor <= 1.0 - numbers.clock_error) fits.push_back(fit);
   }
-  report_scales(head, fits, findings);
+  report_scales(head, fits, related, findings);
 }
 
 }  // namespace veridyn::quality

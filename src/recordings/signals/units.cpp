@@ -13,6 +13,8 @@ namespace veridyn::recordings {
 namespace {
 
 const double kPi = std::acos(-1.0);
+/// relative difference of factors that are the same unit
+constexpr double kSameFactor = 1e-9;
 /// bit of a load register that contains the direction
 constexpr long kDirection = 1024;
 /// Units of shares, with the number that corresponds to the whole.
@@ -53,12 +55,8 @@ bool is_share_of_range(const std::string& unit) {
   return std::any_of(std::begin(kShares), std::end(kShares), [&](const auto& share) { return without_sign(unit) == share.first; });
 }
 
-// True for degrees of a joint that is known to be prismatic, and millimetres of one that is known to be revolute.
 bool is_unit_of_other_joint_type(const SignalChoice& choice, const std::string& unit, int joint) {
-  if (joint < 1 || static_cast<std::size_t>(joint) > choice.joints.size()) return false;
-  const std::string size = without_sign(unit);
-  if (!choice.joints[joint - 1].prismatic) return starts_with(size, "mm");
-  return starts_with(size, "deg") || starts_with(size, "mrad") || size == "rev" || size == "rpm" || starts_with(size, "rad");
+  return joint >= 1 && static_cast<std::size_t>(joint) <= choice.joints.size() && recordings::is_unit_of_other_joint_type(unit, choice.joints[joint - 1]);
 }
 
 // The signal and the number of a key such as `tau1`; number 0: all joints, or one that no arm has.
@@ -75,6 +73,22 @@ UnitKey unit_key(const std::string& key) {
 }
 
 }  // namespace
+
+bool is_unit_of_other_joint_type(const std::string& unit, const WantedJoint& joint) {
+  const std::string size = without_sign(unit);
+  if (!joint.prismatic) return starts_with(size, "mm");
+  return starts_with(size, "deg") || starts_with(size, "mrad") || size == "rev" || size == "rpm" || starts_with(size, "rad");
+}
+
+std::string unit_name(const std::string& signal, const UnitScale& scale, const WantedJoint& joint) {
+  std::string out = text(scale.factor);
+  for (const Unit& u : kUnits) {
+    if (signal != u.signal || is_unit_of_other_joint_type(u.unit, joint) || std::abs(std::abs(scale.factor) / u.factor - 1.0) > kSameFactor) continue;
+    out = (scale.factor < 0.0 ? "-" : "") + std::string(u.unit);
+    break;
+  }
+  return scale.zero == 0.0 ? out : text(out, "@", scale.zero);
+}
 
 double UnitScale::operator()(double number) const {
   if (direction_bit && std::isfinite(number)) {

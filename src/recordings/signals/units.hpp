@@ -32,6 +32,12 @@ struct UnitScale {
 /// @param joint  has the limits to which shares refer; null: the limits are assumed to be finite.
 std::optional<UnitScale> unit_scale(const std::string& signal, const std::string& unit, const WantedJoint* joint = nullptr);
 
+/// Name of a scale for unit_scale(): that of a known unit, otherwise its factor.
+std::string unit_name(const std::string& signal, const UnitScale& scale, const WantedJoint& joint);
+
+/// True for degrees of a prismatic joint, and millimetres of a revolute one.
+bool is_unit_of_other_joint_type(const std::string& unit, const WantedJoint& joint);
+
 /// The factor of unit_scale() alone.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
 
