@@ -47,7 +47,7 @@ class SimulatedPair {
     arms.push_back({first, make_engine("veridyn", first), identity_pose()});
     arms.push_back({second, make_engine("veridyn", second), identity_pose()});
     arms[1].T_world_base.p = {base(1).x(), base(1).y(), base(1).z()};
-    const int tool = first.find_frame("tool");
+    const veridyn::FrameIndex tool = *first.find_frame("tool");
     Member spring{"spring", {0, tool}, {1, tool}};
     spring.stiffness = kStiffness;
     spring.damping = 2.0;       // [N s/m]

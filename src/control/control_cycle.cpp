@@ -207,9 +207,7 @@ void ControlCycle::disable() noexcept {
 
 std::optional<ControllerFault> ControlCycle::fault() const noexcept {
   if (known_ == SafetyFault::kNone) return std::nullopt;
-  std::optional<JointIndex> joint;
-  if (safety_->joint()) joint = JointIndex{*safety_->joint()};
-  return ControllerFault{known_, joint, fault_time_};
+  return ControllerFault{known_, safety_->joint(), fault_time_};
 }
 
 }  // namespace veridyn

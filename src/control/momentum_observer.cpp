@@ -24,8 +24,8 @@ FrictionOptions full_friction_options() {
 std::vector<int> first_frames(const Model& arm) {
   std::vector<int> first(arm.joints(), static_cast<int>(arm.frames().size()));
   for (int i = 0; i < arm.joints(); ++i) {
-    for (const int k : arm.bodies()) {
-      if (!arm.moves(k, i)) continue;
+    for (const auto [k] : arm.bodies()) {
+      if (!arm.moves({k}, {i})) continue;
       first[i] = k;
       break;
     }

@@ -20,7 +20,7 @@ constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "L
 // Index of a parameter among 10 of every body, from its name; -1: none.
 int inertial_parameter_index(const Model& arm, const std::string& name) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const std::string& frame = arm.frames()[arm.bodies()[b]].name;
+    const std::string& frame = arm.frames()[arm.bodies()[b].value].name;
     for (size_t k = 0; k < kSymbols.size(); ++k) {
       if (name == std::string(kSymbols[k]) + "_" + frame) return static_cast<int>(10 * b + k);
     }

@@ -56,10 +56,10 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
     ideal_ = ideal_ && offset_[j] == 0.0 && gain_[j] == 1.0 && delay_[j] == 0.0 && alone;
     if (!alone && crosstalk_.size() == 0) crosstalk_ = MatrixXd::Identity(n, n);
     for (const auto& [from, share] : c.torque_crosstalk) {
-      require(from >= 0 && from < n && from != j && std::isfinite(share), "JointSensors: joint ", j + 1,
-              " has a torque crosstalk of ", share, " from joint ", from + 1,
+      require(from.value >= 0 && from.value < n && from.value != j && std::isfinite(share), "JointSensors: joint ", j + 1,
+              " has a torque crosstalk of ", share, " from joint ", from.value + 1,
               ", expected a finite number and another of the ", n, " joints.");
-      crosstalk_(j, from) = share;
+      crosstalk_(j, from.value) = share;
     }
   }
   // LU without pivoting, which is stable if the shares in each row sum to less than one.
@@ -102,11 +102,11 @@ VectorXd JointSensors::largest_true_torques(const VectorXd& largest) const {
   VectorXd ratio = VectorXd::Ones(joints());
   for (int i = 0; i < joints(); ++i) {
     double command = alone[i];
-    for (const auto& [from, share] : channels_[i].torque_crosstalk) command += std::abs(share) * alone[from];
+    for (const auto& [from, share] : channels_[i].torque_crosstalk) command += std::abs(share) * alone[from.value];
     const double allowed = command > 0.0 ? alone[i] / command : 1.0;
     ratio[i] = std::min(ratio[i], allowed);
     for (const auto& [from, share] : channels_[i].torque_crosstalk) {
-      if (share != 0.0) ratio[from] = std::min(ratio[from], allowed);
+      if (share != 0.0) ratio[from.value] = std::min(ratio[from.value], allowed);
     }
   }
   return alone.cwiseProduct(ratio);
@@ -154,7 +154,7 @@ std::vector<std::string> JointSensors::descriptions(const Model& arm) const {
                     (e.torque_delay > 0.0 ? "late" : "early"));
     for (const auto& [from, share] : e.torque_crosstalk)
       out.push_back(torque + "mixed with " + digits(share, 6) + " times that of joint '" +
-                    arm.coordinates()[from].name + "'");
+                    arm.coordinates()[from.value].name + "'");
   }
   return out;
 }

@@ -44,8 +44,8 @@ TEST_F(OfRecordings, AVelocityOfAnotherScaleIsTakenFromThePosition) {
   for (const std::string& path : x.train) rewrite(path, [](Recording& r) { r.dq.col(1) *= 0.5; });
   x.options.identification.test_preprocessing = x.options.identification.preprocessing;
   check_quality(x);
-  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, std::vector<int>{1});
-  EXPECT_EQ(x.options.identification.test_preprocessing->derive_velocity_of, std::vector<int>{1});
+  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{1}}));
+  EXPECT_EQ(x.options.identification.test_preprocessing->derive_velocity_of, (std::vector<JointIndex>{{1}}));
   const std::vector<QualityFinding> found = told(x, x.train[0], "velocity_scale");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NE(found[0].sentence.find("taken from its position"), std::string::npos);
@@ -78,7 +78,7 @@ TEST_F(OfRecordings, AVelocityIsReplacedOnlyIfThatLowersTheErrorOfItsJoint) {
   check_quality(x);
   EXPECT_EQ(told(x, x.train[0], "velocity_noise").size(), 2U);
   ASSERT_TRUE(fit_baseline(x));
-  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, std::vector<int>{1});
+  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{1}}));
   ASSERT_EQ(x.remarks.size(), 1U);
   EXPECT_NE(x.remarks[0].find("joint 2"), std::string::npos) << x.remarks[0];
 }

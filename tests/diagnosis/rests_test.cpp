@@ -105,7 +105,7 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
     exclude_rests(x);
     return x.d.moving_as_one;
   };
-  EXPECT_EQ(second_follows(-0.5), (std::vector<std::vector<int>>{{0, 1}}));
+  EXPECT_EQ(second_follows(-0.5), (std::vector<std::vector<JointIndex>>{{{0}, {1}}}));
   EXPECT_TRUE(second_follows(1e-3).empty());
 }
 
@@ -113,7 +113,7 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
 TEST_F(AtTheEnds, NoCauseIsTestedOnJointsThatMoveAsOne) {
   DiagnosisState x = resting(0.0, 0.0);
   EXPECT_TRUE(can_attribute_errors(x));
-  x.d.moving_as_one = {{0, 1}};
+  x.d.moving_as_one = {{{0}, {1}}};
   x.d.changes = true;
   EXPECT_TRUE(can_attribute_errors(x));
   x.d.changes = false;

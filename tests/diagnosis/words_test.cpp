@@ -160,7 +160,7 @@ TEST(DiagnosisReport, NamesTheLimitsOfTheRecordings) {
   Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
   EXPECT_EQ(d.report().find("provisional"), std::string::npos);
   d.provisional = true;
-  d.moving_as_one = {{0, 1}};
+  d.moving_as_one = {{{0}, {1}}};
   d.remarks = {"a word"};
   d.changes = true;
   RecordingQuality quality;

@@ -155,7 +155,7 @@ TEST(Judge, ALoadOnAnotherFrameOfTheSameBodyIsRight) {
   Finding found;
   found.parameters = {{"mass", "kg", 0.12, 0.1, 0.14}, {"x", "m", 0.12, 0.1, 0.14}};
   for (const auto& [frame, is_right] : {std::pair("wrist", true), std::pair("elbow", false)}) {
-    found.cause = AddedLoad{FrameIndex{d.baseline.model->find_frame(frame)}};
+    found.cause = AddedLoad{*d.baseline.model->find_frame(frame)};
     d.findings = {found};
     const Verdict v = judge(hidden, d);
     EXPECT_EQ(v.first, is_right) << frame;

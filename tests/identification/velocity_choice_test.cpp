@@ -33,7 +33,7 @@ void quantise(Recording& r, int joint, double share) {
   for (double& x : dq) x = std::round(x / step) * step;
 }
 
-std::vector<int> derived(const Recording& r, bool choose = true) {
+std::vector<JointIndex> derived(const Recording& r, bool choose = true) {
   IdentificationOptions options;
   options.choose_velocities = choose;
   const Identification id = identify(arm(), r, options);
@@ -54,10 +54,10 @@ TEST(VelocityChoice, ConsistentVelocitiesAreUsedAsRecorded) {
 TEST(VelocityChoice, OnlyTheJointWithACoarseVelocityUsesThePosition) {
   Recording r = recording();
   quantise(r, 1, 0.1);
-  EXPECT_EQ(derived(r), std::vector<int>{1});
+  EXPECT_EQ(derived(r), (std::vector<JointIndex>{{1}}));
   EXPECT_TRUE(derived(r, false).empty());
   quantise(r, 0, 0.1);
-  EXPECT_EQ(derived(r), (std::vector<int>{0, 1}));
+  EXPECT_EQ(derived(r), (std::vector<JointIndex>{{0}, {1}}));
   EXPECT_LT(distance(r, true), distance(r, false));
 }
 
@@ -69,7 +69,7 @@ TEST(VelocityChoice, AWrongVelocityIsNotReportedAsAModelError) {
   const double honest = evaluate(*good.model, r).train_error.relative.maxCoeff();
   r.dq.col(0) *= 180.0 / M_PI;
   const Identification judged = evaluate(*good.model, r);
-  EXPECT_EQ(judged.preprocessing.derive_velocity_of, std::vector<int>{0});
+  EXPECT_EQ(judged.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{0}}));
   EXPECT_LT(judged.train_error.relative.maxCoeff(), 1.2 * honest);
   IdentificationOptions as_recorded;
   as_recorded.choose_velocities = false;
@@ -91,7 +91,7 @@ TEST(VelocityChoice, WithFilteredSignalsTheRecordedVelocityIsUsed) {
 TEST(VelocityChoice, AVelocityOfAnotherUnitIsReplacedByTheDerivedOne) {
   Recording r = recording();
   r.dq.col(0) *= 1.2;
-  EXPECT_EQ(derived(r), std::vector<int>{0});
+  EXPECT_EQ(derived(r), (std::vector<JointIndex>{{0}}));
 }
 
 // Velocities are judged from the rows that are asked about, and from a bounded number of them.

@@ -76,7 +76,7 @@ TEST_F(Prepared, AChangedSettingPreparesTheRecordingAgain) {
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.filtering = Filtering::kSignals; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.signal_cutoff_ratio = 2.0; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.velocity = VelocitySource::kDerived; })), 1);
-  EXPECT_EQ(prepared(arm_, with([](auto& o) { o.derive_velocity_of = {1}; })), 1);
+  EXPECT_EQ(prepared(arm_, with([](auto& o) { o.derive_velocity_of = {{1}}; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.stale_rows = StaleRows::kKept; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.rate = 50.0; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.drop_start = 2.0; })), 1);
@@ -122,8 +122,8 @@ TEST(VelocityTrust, AWrongVelocityIsNotListedAsDoubtfulToo) {
   add("velocity_delay", 4, Severity::kWarning);
   add("saturation", 5, Severity::kFault);
   const VelocityTrust trust = trust_in_velocities({quality});
-  EXPECT_EQ(trust.wrong, (std::set<int>{0, 3}));
-  EXPECT_EQ(trust.doubtful, (std::set<int>{1}));
+  EXPECT_EQ(trust.wrong, (std::set<JointIndex>{{0}, {3}}));
+  EXPECT_EQ(trust.doubtful, (std::set<JointIndex>{{1}}));
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ struct SafetyInput {
 /// One detected fault.
 struct SafetyEvent {
   SafetyFault fault = SafetyFault::kNone;
-  std::optional<int> joint = {};  ///< joint index from 0
+  std::optional<JointIndex> joint = {};
   double after = 0.0;  ///< [s] time since the first fault
 };
 
@@ -147,7 +147,7 @@ class SafetySupervisor {
   SafetyState state() const { return state_; }
   SafetyFault fault() const { return fault_; }
   SafetyAction action() const { return action_; }
-  std::optional<int> joint() const { return joint_; }  ///< joint of the fault, from 0
+  std::optional<JointIndex> joint() const { return joint_; }  ///< joint of the fault
 
   /// Faults in the order of detection, each kind once; [0] is the first.
   int events() const { return events_; }
@@ -156,7 +156,7 @@ class SafetySupervisor {
  private:
   struct Finding {
     SafetyFault fault = SafetyFault::kNone;
-    std::optional<int> joint = {};
+    std::optional<JointIndex> joint = {};
   };
   Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< the first fault found
   Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< values that are not finite, old samples
@@ -178,7 +178,7 @@ class SafetySupervisor {
   SafetyState state_ = SafetyState::kDisabled;
   SafetyFault fault_ = SafetyFault::kNone;
   SafetyAction action_ = SafetyAction::kMotorsOff;
-  std::optional<int> joint_ = {};
+  std::optional<JointIndex> joint_ = {};
   bool seen_ = false;     // a valid position has been received
   bool stopped_ = false;  // while holding: q_hold_ is the position held
   double disagreed_ = 0.0;

@@ -84,15 +84,15 @@ class JointSensors {
   void require_drive_gains(const Model& arm, const std::string& where) const;
 
   /// Delay [s] of the measured torque of a joint.
-  double torque_delay(int joint) const { return delay_[joint]; }
+  double torque_delay(JointIndex joint) const { return delay_[joint.value]; }
 
   /// The torque of sample `k` corrected for torque_delay(), from samples 0 .. count - 1 that were
   /// recorded `dt` seconds apart: linear interpolation, and the nearest sample at the ends. @param
   /// recorded  a callable: sample number -> recorded torque.
   template <typename Recorded>
-  double torque_at(int joint, Eigen::Index k, Eigen::Index count, double dt,
+  double torque_at(JointIndex joint, Eigen::Index k, Eigen::Index count, double dt,
                    const Recorded& recorded) const {
-    const double at = std::clamp(static_cast<double>(k) + delay_[joint] / dt, 0.0,
+    const double at = std::clamp(static_cast<double>(k) + delay_[joint.value] / dt, 0.0,
                                  static_cast<double>(count - 1));
     const auto low = std::max<Eigen::Index>(
         0, std::min<Eigen::Index>(static_cast<Eigen::Index>(at), count - 2));

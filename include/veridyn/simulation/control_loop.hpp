@@ -68,7 +68,7 @@ struct EngineRun {
   MatrixXd tau;  ///< (rows x n) motor torques [N m], [N]
   StepStatus status = StepStatus::kOk;
   double stopped_at = 0.0;  ///< [s] time of the failure if status is not kOk
-  std::optional<int> joint = {};  ///< joint that failed, from 0
+  std::optional<JointIndex> joint = {};  ///< joint that failed
 
   bool complete() const { return status == StepStatus::kOk; }
   /// Text "stopped at 1.2 s: joint insertion has ...", for a run that is incomplete.

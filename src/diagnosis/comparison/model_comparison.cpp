@@ -166,7 +166,7 @@ void compare_parameters(const Side& a, const Side& b, ModelComparison& out) {
     if (p.effect) {
       const EffectTerm& term = a.arm.effects()[*p.effect];
       d.effect = term.effect;
-      d.joint = {main_coordinate(term.axis)};
+      d.joint = main_coordinate(term.axis);
     }
     d.coordinate = a.arm.coordinates()[d.joint.value].name;
     d.sentence = parameter_sentence(a.arm, a.torque, leading, d);

@@ -36,7 +36,7 @@ bool same(const Property& a, const Property& b) {
 }
 
 bool has_frame_of_same_name(const Model& arm, const Frame& frame) {
-  return arm.find_frame(frame.name) >= 0;
+  return arm.find_frame(frame.name).has_value();
 }
 
 std::string parent_of(const Model& arm, const Frame& frame) {
@@ -127,8 +127,8 @@ const Property* find_property(const std::vector<Property>& all, const Property& 
 // True if the frames that both models have, by name, are placed alike.
 bool same_geometry(const Model& a, const Model& b) {
   return std::all_of(a.frames().begin(), a.frames().end(), [&](const Frame& frame) {
-    const int there = b.find_frame(frame.name);
-    return there < 0 || same({"", "", "", placement_numbers(frame)}, {"", "", "", placement_numbers(b.frames()[there])});
+    const std::optional<FrameIndex> there = b.find_frame(frame.name);
+    return !there || same({"", "", "", placement_numbers(frame)}, {"", "", "", placement_numbers(b.frames()[there->value])});
   });
 }
 
@@ -147,7 +147,7 @@ std::vector<std::string> meanings(const Model& arm, const std::vector<StandardPa
 }
 
 const Frame& frame_of_body(const Model& arm, int body) {
-  return arm.frames()[arm.bodies()[body]];
+  return arm.frames()[arm.bodies()[body].value];
 }
 
 // Adds to M the rows of a body that `from` does not have, from those of the body that carries it.
@@ -159,7 +159,7 @@ void add_carried_body(const Model& from, const Model& to, int body, MatrixXd& M)
     T = eigen(frame->A * frame->B).matrix() * T;
     frame = &to.frames()[frame->parent->value];
   }
-  const auto carrier = std::find(to.bodies().begin(), to.bodies().end(), frame - to.frames().data()) - to.bodies().begin();
+  const auto carrier = std::find(to.bodies().begin(), to.bodies().end(), FrameIndex{static_cast<int>(frame - to.frames().data())}) - to.bodies().begin();
   Eigen::Matrix<double, kBodyParameters, kBodyParameters> X;
   for (int c = 0; c < kBodyParameters; ++c)
     X.col(c) = inertial_parameters(Eigen::Matrix4d(T * pseudo_inertia(InertialParameters::Unit(c)) * T.transpose()));

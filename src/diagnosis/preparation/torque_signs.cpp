@@ -73,7 +73,7 @@ void check_torque_signs(DiagnosisState& x) {
     if ((axis.coefficients.array() != 0.0).count() != 1) continue;
     const auto at = static_cast<Eigen::Index>(k);
     const double size = sizes[base.independent[k]];
-    Power& p = joints[main_coordinate(axis)];
+    Power& p = joints[main_coordinate(axis).value];
     p.sum += size * fit.beta[at];
     p.variance += std::pow(size * fit.std[at], 2);
   }

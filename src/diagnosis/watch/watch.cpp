@@ -55,7 +55,7 @@ class Watch::Implementation {
  public:
   /// Faults that the recorded signals have from the first row on.
   struct Signals {
-    std::set<int> wrong_velocities;  ///< joints, from 0, whose velocity is no derivative of the position
+    std::set<JointIndex> wrong_velocities;  ///< joints whose velocity is no derivative of the position
     watching::RowClock clock;
     std::vector<std::string> remarks;
   };
@@ -167,7 +167,7 @@ class Watch::Implementation {
     // Velocities contradict positions on all joints: the model says whether the clock is wrong or the velocities are.
     Signals other_clock = out, other_unit = out;
     other_clock.clock = {rows.time[0], off->value};
-    for (int j = 0; j < arm_.joints(); ++j) other_unit.wrong_velocities.insert(j);
+    for (int j = 0; j < arm_.joints(); ++j) other_unit.wrong_velocities.insert({j});
     const bool is_clock = residual_share(rows, other_clock) < residual_share(rows, other_unit);
     (is_clock ? other_clock : other_unit).remarks.push_back(text(off->sentence, " The model agrees with ", is_clock ? "that rate, which is used." : "the rows' clock and with the derivative of the positions, which is used."));
     return is_clock ? other_clock : other_unit;

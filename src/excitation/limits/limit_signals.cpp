@@ -75,10 +75,10 @@ std::optional<FrameIndex> LimitSignals::frame_index(const Model& arm, const std:
   if (name == "world") return std::nullopt;
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int k = arm.find_frame(name);
-  require(k >= 0, "excitation: found the frame '", name, "'", did_you_mean(name, names),
+  const std::optional<FrameIndex> k = arm.find_frame(name);
+  require(k.has_value(), "excitation: found the frame '", name, "'", did_you_mean(name, names),
           ", expected world or one of: ", listed(names), ".");
-  return FrameIndex{k};
+  return k;
 }
 
 void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& workspace) {

@@ -12,7 +12,7 @@
 #include "identification/check/check_thresholds.hpp"
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
@@ -136,9 +136,9 @@ class RobotCheck {
     for (int i = 0; i < joints(); ++i) {
       if (!moves(i)) moving.col(i).setZero();
     }
-    const std::vector<std::vector<int>> as_one = correlated_columns(moving);
+    const std::vector<std::vector<JointIndex>> as_one = correlated_joints(moving);
     if (!as_one.empty()) {
-      add_finding("not_compared", as_one.front().front() + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
+      add_finding("not_compared", as_one.front().front().value + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
       return false;
     }
     const auto [determined, all, condition] = fitter_.rank_and_condition(recording_);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
@@ -71,12 +71,12 @@ void check_rest(const Head& head, Findings* findings) {
 }
 
 void check_common_motion(const Head& head, Findings* findings) {
-  for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
-    std::vector<int> moving;
-    std::copy_if(group.begin(), group.end(), std::back_inserter(moving), [&](int j) { return head.moves[static_cast<std::size_t>(j)]; });
+  for (const std::vector<JointIndex>& group : correlated_joints(head.rows.q)) {
+    std::vector<JointIndex> moving;
+    std::copy_if(group.begin(), group.end(), std::back_inserter(moving), [&](JointIndex j) { return head.moves[static_cast<std::size_t>(j.value)]; });
     if (moving.size() < 2) continue;
-    const auto same = [&](int j) { return are_equal(head.rows.q.col(moving.front()), head.rows.q.col(j)); };
-    findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
+    const auto same = [&](JointIndex j) { return are_equal(head.rows.q.col(moving.front().value), head.rows.q.col(j.value)); };
+    findings->add(Severity::kWarning, "move_as_one", {"q", moving.front().value + 1}, {},
                   text("Joints ", numbers_from_one(moving),
                        std::all_of(moving.begin(), moving.end(), same) ? " have the same position in every row: was one column written twice? What depends on"
                                                                        : " move as one: what depends on",

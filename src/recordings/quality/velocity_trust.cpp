@@ -15,17 +15,17 @@ VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recording
   VelocityTrust out;
   for (const RecordingQuality& recording : recordings) {
     for (const QualityFinding& f : recording.findings) {
-      if (makes_velocity_wrong(f)) out.wrong.insert(f.joint - 1);
-      if (f.finding == "velocity_noise" && f.joint > 0) out.doubtful.insert(f.joint - 1);
+      if (makes_velocity_wrong(f)) out.wrong.insert({f.joint - 1});
+      if (f.finding == "velocity_noise" && f.joint > 0) out.doubtful.insert({f.joint - 1});
     }
   }
-  for (const int joint : out.wrong) out.doubtful.erase(joint);
+  for (const JointIndex joint : out.wrong) out.doubtful.erase(joint);
   return out;
 }
 
-std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm) {
+std::vector<std::string> remarks_on(const std::set<JointIndex>& wrong, const Model& arm) {
   std::vector<std::string> out;
-  for (const int j : wrong) {
+  for (const auto [j] : wrong) {
     out.push_back(text("dq", j + 1, " (", arm.coordinates()[j].name, ") is no derivative of q",
                        j + 1, ", which is used instead"));
   }

@@ -67,8 +67,7 @@ std::string to_page(const KinematicTable& table, const Model& arm, const std::st
   result["points"] = points;
   Json series = series_of(command, arm);
   series["joints"].clear();
-  const int tip = arm.find_frame(table.frame);
-  if (tip >= 0) series["arms"][0]["tip"] = tip;
+  if (const auto tip = arm.find_frame(table.frame)) series["arms"][0]["tip"] = tip->value;
   const auto shown = static_cast<Eigen::Index>((table.rows.size() + every - 1) / every);
   MatrixXd q(shown, arm.joints());
   VectorXd time(shown);

@@ -60,7 +60,7 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   known_.emplace_back(models.known);
   measured_.push_back(arm.start);
   world_arms_.push_back({models.real, make_engine(engine, models.real), base});
-  tips_.push_back({static_cast<int>(tips_.size()), models.real.find_frame(arm.frame), arm.offset});
+  tips_.push_back({static_cast<int>(tips_.size()), *models.real.find_frame(arm.frame), arm.offset});
   TipKinematics tip(models.real, {arm.frame, arm.offset});
   tip.update(arm.start, VectorXd::Zero(arm.start.size()));
   starts_.push_back(models.p_world_base + models.R_world_base * tip.position());

@@ -147,8 +147,8 @@ TEST(ControlCycle, AWorldStepDoesNotAllocate) {
   arms.push_back({arm, std::make_unique<Plant>(arm), {identity3(), {0.1, 0, 0}}});
   Member spring;
   spring.name = "spring";
-  spring.from = {0, arm.find_frame("tool"), {0, 0, 0}};
-  spring.to = {1, arm.find_frame("tool"), {0, 0, 0}};
+  spring.from = {0, *arm.find_frame("tool"), {0, 0, 0}};
+  spring.to = {1, *arm.find_frame("tool"), {0, 0, 0}};
   spring.stiffness = 20000.0;
   spring.damping = 5.0;
   spring.rest_length = 0.0999;

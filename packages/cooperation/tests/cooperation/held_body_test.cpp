@@ -99,7 +99,7 @@ class Carrying {
     setup.encoder_step = Vector3d(7.72e-6, 7.72e-6, 1.29e-6);
     setup.start = start_;
     loops_.emplace_back(setup);
-    tips_.push_back({static_cast<int>(tips_.size()), arm.find_frame("tool"), Vector3d::Zero()});
+    tips_.push_back({static_cast<int>(tips_.size()), *arm.find_frame("tool"), Vector3d::Zero()});
     arms_.push_back({arm,
                      std::make_unique<Plant>(arm),
                      {rotation_z(turn), {position.x(), position.y(), position.z()}}});

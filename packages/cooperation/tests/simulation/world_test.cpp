@@ -30,11 +30,11 @@ WorldArm standing(const Model& arm, const Posed& base = identity_pose()) {
 }
 
 Attachment end_of(const Model& arm, int index) {
-  return {index, static_cast<int>(arm.frames().size()) - 1, Eigen::Vector3d::Zero()};
+  return {index, {static_cast<int>(arm.frames().size()) - 1}, Eigen::Vector3d::Zero()};
 }
 
 Attachment tool(const Model& arm, int index) {
-  return {index, arm.find_frame("tool"), Eigen::Vector3d(0.001, 0.002, -0.003)};
+  return {index, *arm.find_frame("tool"), Eigen::Vector3d(0.001, 0.002, -0.003)};
 }
 
 Member spring(const Attachment& from, const Attachment& to, double stiffness, double rest) {

@@ -78,8 +78,8 @@ void World::State::check(const Attachment& at, const char* what) const {
   require(at.offset.allFinite(), "world: found ", what, " at a point that is not finite.");
   if (!at.arm) return;
   const Model& model = arms[*at.arm].model;
-  require(at.frame >= 0 && at.frame < static_cast<int>(model.frames().size()), "world: found ",
-          what, " at frame ", at.frame, ", expected one of the ", model.frames().size(),
+  require(at.frame.value >= 0 && at.frame.value < static_cast<int>(model.frames().size()), "world: found ",
+          what, " at frame ", at.frame.value, ", expected one of the ", model.frames().size(),
           " frames of '", model.name(), "'.");
 }
 
@@ -114,7 +114,7 @@ void World::State::check() const {
 
 // The trace is an upper bound of the largest eigenvalue. Zero if M is not positive definite.
 double World::State::Arm::mobility(const Attachment& at) {
-  points.jacobian(at.frame, at.offset, J);
+  points.jacobian(at.frame.value, at.offset, J);
   const auto n = static_cast<Eigen::Index>(model.joints());
   double sum = 0.0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {  // |L^-1 J_axis|^2, by Cholesky in place of M
