@@ -213,10 +213,10 @@ bool Diagnosis::has_answer() const {
 
 std::string mistakes_text(const Diagnosis& d) {
   std::string wrong;
-  std::set<std::pair<std::string, int>> once;  // recordings with the same mistake differ in its numbers
+  std::set<std::pair<QualityKind, std::optional<JointIndex>>> once;  // recordings with the same mistake differ in its numbers
   for (const RecordingQuality& q : d.data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (is_contradiction(f) && once.insert({f.finding, f.joint}).second) wrong += f.sentence + " ";
+      if (is_contradiction(f) && once.insert({f.kind, f.joint}).second) wrong += f.sentence + " ";
     }
   }
   return wrong.empty() ? wrong : wrong + (d.mended ? "With that: " : "As recorded: ");
@@ -227,7 +227,7 @@ std::string Diagnosis::verdict() const {
   if (!has_answer()) return wrong + "cannot tell: " + joints.front().why;
   const auto is_cut = [this](JointIndex joint) {
     return std::any_of(data_quality.begin(), data_quality.end(), [&](const RecordingQuality& q) {
-      return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == joint.value; });
+      return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == joint; });
     });
   };
   if (findings.empty()) {

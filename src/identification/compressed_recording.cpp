@@ -265,7 +265,7 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
     // The quality check of a short recording has determined the period from the same positions.
     const auto seen = options.kept->known_quality(path, inspected_rows(arm, options));
     if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::numbers.period_time &&
-        seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
+        seen->find(QualityKind::kShortRecording) == nullptr && seen->find(QualityKind::kAbsurdNumbers) == nullptr)
       return seen->period;
   }
   return detect_period(there != nullptr ? *there : first_positions(arm, path, options));

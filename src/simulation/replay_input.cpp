@@ -13,7 +13,7 @@ ReplayInput replay_input(const Model& arm, const std::string& recording, Preproc
   for (const JointIndex joint : wrong) {
     const auto why = std::find_if(out.quality.findings.begin(), out.quality.findings.end(),
                                   [joint](const QualityFinding& f) {
-                                    return makes_velocity_wrong(f) && f.joint == joint.value + 1;
+                                    return makes_velocity_wrong(f) && f.joint == joint;
                                   });
     out.remarks.push_back(why->sentence + " The replay takes it from the position.");
   }

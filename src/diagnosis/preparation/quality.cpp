@@ -28,7 +28,7 @@ void exclude_wrong_velocities(DiagnosisState& x) {
 void remark_derived_velocity(JointIndex joint, DiagnosisState& x) {
   for (const RecordingQuality& recording : x.d.data_quality) {
     for (const QualityFinding& f : recording.findings) {
-      if (f.finding != "velocity_noise" || f.joint != joint.value + 1) continue;
+      if (f.kind != QualityKind::kVelocityNoise || f.joint != joint) continue;
       x.remarks.push_back(f.sentence +
                           " It is taken from the position: torques are predicted better.");
       x.d.remarks = x.remarks;
@@ -113,10 +113,11 @@ void exclude_saturated(DiagnosisState& x) {
   const double cutoff = x.options.identification.preprocessing.cutoff;
   const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;
   for (const RecordingQuality& quality : x.d.data_quality) {
-    std::map<int, std::vector<ExcludedInterval>> of_joint;
+    std::map<JointIndex, std::vector<ExcludedInterval>> of_joint;
     for (const SaturatedInterval& one : quality.saturated)
-      of_joint[one.joint].push_back({quality.file, JointIndex{one.joint}, one.from - margin, one.to + margin, "torque at its limit"});
-    for (auto& [joint, parts] : of_joint) {
+      of_joint[one.joint].push_back({quality.file, one.joint, one.from - margin, one.to + margin, "torque at its limit"});
+    for (auto& [index, parts] : of_joint) {
+      const int joint = index.value;
       if (joint >= x.arm.joints()) continue;
       merge_overlaps(parts);
       double seconds = 0.0;

@@ -38,8 +38,8 @@ bool can_attribute_errors(DiagnosisState& x) {
   }
   if (!why.empty()) why += " in all training recordings, so that no error can be ascribed to one of them: train on motions in which every joint moves in its own way, as `veridyn excite` makes";
   for (const RecordingQuality& quality : x.d.data_quality) {
-    const QualityFinding* f = quality.find("unexplained");
-    if (why.empty() && f != nullptr && f->joint == 0 && std::find(x.train.begin(), x.train.end(), quality.file) != x.train.end())
+    const QualityFinding* f = quality.find(QualityKind::kUnexplained);
+    if (why.empty() && f != nullptr && !f->joint && std::find(x.train.begin(), x.train.end(), quality.file) != x.train.end())
       why = "the torques do not follow from the motion of this arm";
   }
   if (!why.empty()) end_without_verdicts(x, why);

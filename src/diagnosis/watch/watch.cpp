@@ -161,8 +161,8 @@ class Watch::Implementation {
     const RecordingQuality quality = check_recording(rows);
     if (rows.dq.size() > 0) out.wrong_velocities = trust_in_velocities({quality}).wrong;
     out.remarks = remarks_on(out.wrong_velocities, arm_);
-    if (const QualityFinding* unit = quality.find("time_unit")) out.remarks.push_back(unit->sentence);
-    const QualityFinding* off = quality.find("rate_contradiction");
+    if (const QualityFinding* unit = quality.find(QualityKind::kTimeUnit)) out.remarks.push_back(unit->sentence);
+    const QualityFinding* off = quality.find(QualityKind::kRateContradiction);
     if (off == nullptr) return out;
     // Velocities contradict positions on all joints: the model says whether the clock is wrong or the velocities are.
     Signals other_clock = out, other_unit = out;

@@ -160,12 +160,12 @@ Json quality_json(const Diagnosis& d) {
     for (const QualityFinding& f : r.findings) {
       if (f.severity == Severity::kInfo) continue;
       out.push_back({{"file", f.file},
-                     {"finding", f.finding},
+                     {"finding", name_of(f.kind)},
                      {"severity", name_of(f.severity)},
-                     {"joint", f.joint},
+                     {"joint", f.joint ? f.joint->value + 1 : 0},
                      {"share", f.share},
                      {"sentence", f.sentence}});
-      if (f.finding != "stale_rows") continue;
+      if (f.kind != QualityKind::kStaleRows) continue;
       const RecordingError* filled = with_filled_rows(d.baseline, f.file);
       if (filled != nullptr) out.back()["filled_rows"] = filled_json(*filled);
     }
