@@ -14,6 +14,11 @@ constexpr int kMostHalvings = 12;
 
 }  // namespace
 
+const char* name_of(ReachStatus status) {
+  static constexpr const char* kNames[] = {"reached", "not reached", "outside limits", "singular", "out of reach"};
+  return kNames[static_cast<int>(status)];
+}
+
 InverseKinematics::InverseKinematics(const Model& arm, const Tip& tip,
                                      const InverseKinematicsOptions& options)
     : options_(options),

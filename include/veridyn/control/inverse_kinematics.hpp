@@ -7,8 +7,15 @@ namespace veridyn {
 
 enum class ReachStatus {
   kReached,
-  kNotReached  ///< out of reach, beyond the joints' limits, or not reachable from this start
+  kNotReached,  ///< out of reach, beyond the joints' limits, or not reachable from this start
+  // Closed forms know more.
+  kOutsideLimits,  ///< reached, but at least one joint is outside of its limits
+  kSingular,       ///< reached; the pose does not determine some joints
+  kOutOfReach
 };
+
+/// The status as text: "not reached".
+const char* name_of(ReachStatus status);
 
 struct InverseKinematicsOptions {
   TaskRows rows = TaskRows::kPosition;
