@@ -54,7 +54,7 @@ class Rows {
   }
 
   // Pose, Jacobian, conditioning and exceeded limits at q; status and errors as by default.
-  KinematicRow row(const VectorXd& q) {
+  KinematicRow row(const VectorRef& q) {
     KinematicRow out;
     out.q = q;
     tip_.update(q, VectorXd::Zero(q.size()));
@@ -105,7 +105,7 @@ VectorXd halton_configuration(const MotionLimits& limits, int index) {
 // Tries Newton steps from the present joints, from the start, and from points spread over the ranges, since
 // steps may end at joint limits or at singularities between postures. If all fail, q is where those from the present joints end.
 ReachStatus solve_from_several_starts(InverseKinematics& newton, const Eigen::Isometry3d& wanted,
-                               const MotionLimits& limits, const VectorXd& start, VectorXd& q) {
+                               const MotionLimits& limits, const VectorRef& start, VectorXd& q) {
   VectorXd trial = q;
   for (int k = -1; k <= kStarts; ++k) {
     if (k == 0) trial = start;

@@ -40,7 +40,7 @@ TipKinematics::TipKinematics(const Model& arm, const Tip& tip)
     : motion_(Tree(arm, Tree::Keep::kMovingLinks), tip_frame(arm, tip),
               {tip.offset_frame.x(), tip.offset_frame.y(), tip.offset_frame.z()}) {}
 
-void TipKinematics::update(const VectorXd& q, const VectorXd& dq) noexcept {
+void TipKinematics::update(const VectorRef& q, const VectorRef& dq) noexcept {
   assert(q.size() == joints() && dq.size() == joints());
   motion_.update(q.data(), dq.data());
   const Posed& T = motion_.pose();

@@ -108,7 +108,7 @@ void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
   }
 }
 
-const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& ddq) noexcept {
+const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorRef& ddq) noexcept {
   assert(ddq.size() == u_.size() && arm.joints() == u_.size());
   regressor_.evaluate(arm.q(), arm.dq(), ddq, Y_);
   sum_.setZero();

@@ -19,7 +19,7 @@ std::vector<RecordedChannel> channels_of(const Model& arm) {
 }
 
 // Computes signal(t - delay) by linear interpolation; before the first row the signal equals its first value.
-VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
+VectorXd delayed(const VectorRef& signal, const VectorRef& time, double delay) {
   VectorXd out(signal.size());
   Eigen::Index k = 0;
   for (Eigen::Index row = 0; row < signal.size(); ++row) {
@@ -97,7 +97,7 @@ void JointSensors::add_crosstalk(InPlace tau) const noexcept {
   }
 }
 
-VectorXd JointSensors::largest_true_torques(const VectorXd& largest) const {
+VectorXd JointSensors::largest_true_torques(const VectorRef& largest) const {
   const VectorXd alone = largest.cwiseQuotient(gain_);
   VectorXd ratio = VectorXd::Ones(joints());
   for (int i = 0; i < joints(); ++i) {
@@ -122,7 +122,7 @@ void JointSensors::require_drive_gains(const Model& arm, const std::string& wher
   }
 }
 
-void JointSensors::add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const {
+void JointSensors::add_errors(const VectorRef& time, MatrixXd& q, MatrixXd& tau) const {
   q.rowwise() += offset_.transpose();
   for (Eigen::Index j = 0; j < tau.cols(); ++j) {
     if (delay_[j] > 0.0) tau.col(j) = delayed(tau.col(j), time, delay_[j]);

@@ -259,7 +259,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
   return log.extract_run();
 }
 
-MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps) {
+MotionSamples joint_steps(const VectorRef& start, const VectorRef& steps) {
   require(start.size() > 0 && start.size() == steps.size(), "joint steps: found ", steps.size(),
           " steps, expected ", start.size(), ", one per joint.");
   const Eigen::Index n = start.size();

@@ -137,12 +137,12 @@ class SafetySupervisor {
   /// @param tau  (n) torques of the controller. @returns (n) torques for the motors, always finite and within
   ///   limits.
   const VectorXd& update(const ArmState& arm, const SafetyInput& input,
-                         const VectorXd& tau) noexcept;
+                         const VectorRef& tau) noexcept;
 
   /// Sets the torque (n) in addition to the model's that holds the arm (ModelErrorObserver::torque()), for
   /// kFreeze and kHold; ignored once there is a fault. Entries that are not finite count as zero; at a fault
   /// each entry is limited as described at SafetyLimits::model_error.
-  void set_holding_torque(const VectorXd& extra) noexcept;
+  void set_holding_torque(const VectorRef& extra) noexcept;
 
   SafetyState state() const { return state_; }
   SafetyFault fault() const { return fault_; }
@@ -158,17 +158,17 @@ class SafetySupervisor {
     SafetyFault fault = SafetyFault::kNone;
     std::optional<JointIndex> joint = {};
   };
-  Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< the first fault found
+  Finding check(const ArmState& arm, const SafetyInput& input, const VectorRef& tau) noexcept;  ///< the first fault found
   Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< values that are not finite, old samples
   Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< cycle time, and range, speed and tracking of each joint
-  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< finite and not saturated for too long; adds to saturated_
+  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorRef& tau) noexcept;  ///< finite and not saturated for too long; adds to saturated_
   Finding check_force(const SafetyInput& input) noexcept;  ///< sensor, size and disagreement; adds to disagreed_
   Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;  ///< a fault of an arm that does not stop
   bool is_at_rest(const ArmState& arm) const noexcept;  ///< all joints are slower than rest_share of their limits
   void record_finding(const Finding& found) noexcept;  ///< one event per kind of fault
   void store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept;  ///< positions, momentum and load, for kFreeze
   void keep_holding_torque() noexcept;  ///< limits extra_ and sets frozen_, at a fault
-  void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;  ///< sets out_ by the action
+  void act(const ArmState& arm, const VectorRef& tau, double dt) noexcept;  ///< sets out_ by the action
   void brake(const ArmState& arm) noexcept;  ///< sets out_ to brake, then to hold
 
   SafetyLimits limits_;

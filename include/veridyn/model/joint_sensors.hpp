@@ -71,7 +71,7 @@ class JointSensors {
 
   /// Largest true torques for which no command exceeds `largest` [N m], [N], both (n), whatever their
   /// signs. Joints whose crosstalk would make one exceed it are limited in the same ratio. Allocates.
-  VectorXd largest_true_torques(const VectorXd& largest) const;
+  VectorXd largest_true_torques(const VectorRef& largest) const;
 
   /// Turns measured motor currents [A] into true torques by the model's drive gains. See
   /// require_drive_gains().
@@ -104,7 +104,7 @@ class JointSensors {
   /// Turns a true motion and its torques into the recorded ones, (rows x n) each, delay included;
   /// torques before the first row are taken equal to the first. Allocates.
   /// @param time  (rows) [s], rising.
-  void add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const;
+  void add_errors(const VectorRef& time, MatrixXd& q, MatrixXd& tau) const;
 
   /// A sentence for every error: "the encoder of joint 'pitch' shows 0.1 rad more than there is".
   std::vector<std::string> descriptions(const Model& arm) const;

@@ -39,7 +39,7 @@ int strength(SafetyFault fault) {
   return 0;
 }
 
-std::optional<JointIndex> first_not_finite(const VectorXd& v) {
+std::optional<JointIndex> first_not_finite(const VectorRef& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     if (!std::isfinite(v[i])) return JointIndex{static_cast<int>(i)};
   }
@@ -78,7 +78,7 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
     require(v->size() == n, "SafetySupervisor: found limits of ", v->size(), " entries, but arm '",
             arm.name(), "' has ", n, " joints.");
   // The comparison is true for no NaN, whereas minCoeff() may skip one.
-  const auto above_zero = [](const VectorXd& v) { return (v.array() > 0.0).all(); };
+  const auto above_zero = [](const VectorRef& v) { return (v.array() > 0.0).all(); };
   require(above_zero(limits.upper - limits.lower) && above_zero(limits.velocity) &&
               above_zero(limits.torque) && limits.torque.allFinite() && above_zero(limits.tracking) &&
               (limits_.resolution.array() >= 0.0).all() && std::isfinite(limits.braking),
@@ -141,7 +141,7 @@ bool SafetySupervisor::reset() noexcept {
   return true;
 }
 
-void SafetySupervisor::set_holding_torque(const VectorXd& extra) noexcept {
+void SafetySupervisor::set_holding_torque(const VectorRef& extra) noexcept {
   assert(extra.size() == extra_.size());
   if (state_ == SafetyState::kFault) return;  // torques of an inactive controller are not checked
   for (Eigen::Index i = 0; i < extra_.size(); ++i)
@@ -185,7 +185,7 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
 }
 
 SafetySupervisor::Finding SafetySupervisor::check_motors(const ArmState& arm, const SafetyInput& input,
-                                                         const VectorXd& tau) noexcept {
+                                                         const VectorRef& tau) noexcept {
   const std::optional<JointIndex> joint = first_not_finite(tau);
   if (joint) return {SafetyFault::kController, joint};
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
@@ -241,7 +241,7 @@ SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
 }
 
 SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const SafetyInput& input,
-                                                  const VectorXd& tau) noexcept {
+                                                  const VectorRef& tau) noexcept {
   const bool moves = state_ == SafetyState::kActive || state_ == SafetyState::kHoming;
   Finding found = check_sensors(arm, input);
   if (found.fault == SafetyFault::kNone && moves) found = check_motors(arm, input, tau);
@@ -287,7 +287,7 @@ void SafetySupervisor::brake(const ArmState& arm) noexcept {
   out_.noalias() += arm.mass_matrix().lazyProduct(y_);
 }
 
-void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) noexcept {
+void SafetySupervisor::act(const ArmState& arm, const VectorRef& tau, double dt) noexcept {
   switch (action_) {
     case SafetyAction::kMotorsOff:
       out_.setZero();
@@ -325,7 +325,7 @@ void SafetySupervisor::record_finding(const Finding& found) noexcept {
 }
 
 const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput& input,
-                                         const VectorXd& tau) noexcept {
+                                         const VectorRef& tau) noexcept {
   assert(arm.joints() == out_.size() && tau.size() == out_.size());
   if (state_ != SafetyState::kDisabled) {
     // The age of repeated positions grows by one cycle; positions of constant age are new.
