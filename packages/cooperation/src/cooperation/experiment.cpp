@@ -54,7 +54,7 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   const ScenarioArm& arm = scenario_.arms[index];
   const ScenarioControl& c = scenario_.control;
   const ScenarioModels models = scenario_models(scenario_, index);
-  const Posed base{from_eigen(models.R_world_base), from_eigen(arm.position)};
+  const Eigen::Isometry3d base = Eigen::Translation3d(arm.position) * Eigen::Isometry3d(models.R_world_base);
   arms_.push_back(models.real);
   shown_.emplace_back(models.real);
   known_.emplace_back(models.known);

@@ -143,7 +143,7 @@ TEST(ControlCycle, ObjectImpedanceDoesNotAllocate) {
 TEST(ControlCycle, AWorldStepDoesNotAllocate) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   std::vector<WorldArm> arms;
-  arms.push_back({arm, std::make_unique<Plant>(arm), identity_pose()});
+  arms.push_back({arm, std::make_unique<Plant>(arm)});
   arms.push_back({arm, std::make_unique<Plant>(arm), {identity3(), {0.1, 0, 0}}});
   Member spring;
   spring.name = "spring";
