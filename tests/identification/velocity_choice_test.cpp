@@ -111,19 +111,19 @@ TEST(VelocityChoice, InspectedRowsAreThoseOfTheOptionsUpToABound) {
 TEST(VelocityChoice, VelocitiesAreReplacedOnlyWhereTheTorqueErrorFalls) {
   Identification before;
   before.train_error.relative = Eigen::Vector3d(0.10, 0.10, 0.10);
-  std::vector<std::set<int>> asked;
-  const auto look = [&](const std::set<int>& joints) {
+  std::vector<std::set<JointIndex>> asked;
+  const auto look = [&](const std::set<JointIndex>& joints) {
     asked.push_back(joints);
     Identification id;
     id.model = arm();
     id.train_error.relative = Eigen::Vector3d(0.09, 0.11, 0.099);  // better, worse, not worth it
     return id;
   };
-  const VelocityChoice some = choose_velocities(before, {0, 1, 2}, identifying::numbers.velocity_gain, look);
-  EXPECT_EQ(some.better, std::set<int>{0});
+  const VelocityChoice some = choose_velocities(before, {{0}, {1}, {2}}, identifying::numbers.velocity_gain, look);
+  EXPECT_EQ(some.better, (std::set<JointIndex>{{0}}));
   EXPECT_TRUE(some.fit.has_value());
-  EXPECT_EQ(asked, (std::vector<std::set<int>>{{0, 1, 2}, {0}}));
-  const VelocityChoice none = choose_velocities(before, {1, 2}, identifying::numbers.velocity_gain, look);
+  EXPECT_EQ(asked, (std::vector<std::set<JointIndex>>{{{0}, {1}, {2}}, {{0}}}));
+  const VelocityChoice none = choose_velocities(before, {{1}, {2}}, identifying::numbers.velocity_gain, look);
   EXPECT_TRUE(none.better.empty());
   EXPECT_FALSE(none.fit.has_value());
   EXPECT_FALSE(choose_velocities(before, {}, identifying::numbers.velocity_gain, look).fit.has_value());
