@@ -271,6 +271,9 @@ std::string Diagnosis::verdict() const {
     words.front() = 'T';
     out += " " + words + ".";
   }
+  if (changes) {
+    if (const std::string apart = recordings_apart(baseline); !apart.empty()) out += " But " + apart + ".";
+  }
   return out;
 }
 

@@ -383,6 +383,14 @@ class Explanation {
     return relative.size() > j ? relative[j] : std::numeric_limits<double>::quiet_NaN();
   }
 
+  // Relative error of the arm as it is. A MODEL's values are fitted to none of the recordings, so that a change since it was
+  // made raises the errors of all of them.
+  double least_error(int j) const {
+    const double held_out = held_out_error(d_.baseline, j);
+    const VectorXd& trained = d_.baseline.train_error.relative;
+    return d_.changes && trained.size() > j ? std::min(held_out, trained[j]) : held_out;
+  }
+
   JointVerdict verdict_of(int j) const {
     if (x_.silent.count(j) != 0) return no_torque_verdict({j});
     JointVerdict v;
@@ -427,7 +435,7 @@ class Explanation {
     if (named && v.extended < v.held_out && (mostly || (at_floor && !unnamed))) v.state = JointState::kNamed;
     else if (unnamed) v.state = JointState::kUnnamed;
     else if (named) v.state = JointState::kNamed;
-    else if (v.held_out <= kAtFloor * v.floor && untested_share < 0.0) v.state = JointState::kAtFloor;
+    else if (least_error(j) <= kAtFloor * v.floor && untested_share < 0.0 && !is_unlike) v.state = JointState::kAtFloor;
     else if (at_floor && !of_finding_.empty()) v.state = JointState::kNamed;  // causes on other joints biased its parameters
     else {
       v.state = JointState::kCannotTell;
