@@ -44,10 +44,10 @@ class SimulatedPair {
     for (const std::string& one : unknown) hidden.push_back(parse_hidden_effect(one));
     const Model second = inject_effects(first, hidden).arm;
     std::vector<WorldArm> arms;
-    arms.push_back({first, make_engine("veridyn", first), identity_pose()});
-    arms.push_back({second, make_engine("veridyn", second), identity_pose()});
-    arms[1].T_world_base.p = {base(1).x(), base(1).y(), base(1).z()};
-    const int tool = first.find_frame("tool");
+    arms.push_back({first, make_engine("veridyn", first)});
+    arms.push_back({second, make_engine("veridyn", second)});
+    arms[1].T_world_base.translation() = base(1);
+    const FrameIndex tool = *first.find_frame("tool");
     Member spring{"spring", {0, tool}, {1, tool}};
     spring.stiffness = kStiffness;
     spring.damping = 2.0;       // [N s/m]

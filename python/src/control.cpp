@@ -351,7 +351,7 @@ void bind_engine(py::module_& m) {
                status = engine.step(tau, dt);
              }
              require(status == StepStatus::kOk, "Engine.step: at ", engine.time(), " s joint ",
-                     engine.failed_joint().value_or(-1) + 1, " ", describe(status), ".");
+                     engine.failed_joint().value_or(JointIndex{-1}).value + 1, " ", describe(status), ".");
            },
            py::arg("tau"), py::arg("dt"), "Moves on by dt [s] under tau (n).")
       .def_property_readonly("time", &Engine::time)

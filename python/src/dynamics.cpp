@@ -158,7 +158,7 @@ py::array_t<double> regressor_of(const SharedModel& arm, const Array& q, const A
     batch.regressor.evaluate(x.q.block(first, count, a), x.dq.block(first, count, b),
                              x.ddq.block(first, count, c), blocks);
     for (int i = 0; i < n; ++i) {
-      const std::vector<int>& columns = batch.regressor.columns(i);
+      const std::vector<int>& columns = batch.regressor.columns({i});
       const MatrixXd& own = blocks[i];
       for (Eigen::Index r = 0; r < count; ++r) {
         double* row = Y + ((first + r) * n + i) * p;

@@ -23,13 +23,13 @@ Shared shared(Model arm) {
   return std::make_shared<SharedModel>(std::move(arm));
 }
 
-int frame_of(const Model& arm, const std::string& name) {
+FrameIndex frame_of(const Model& arm, const std::string& name) {
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int found = arm.find_frame(name);
-  require(found >= 0, "found the frame '", name, "'", did_you_mean(name, names),
+  const std::optional<FrameIndex> found = arm.find_frame(name);
+  require(found.has_value(), "found the frame '", name, "'", did_you_mean(name, names),
           ", expected one of: ", listed(names), ".");
-  return found;
+  return *found;
 }
 
 py::dict coordinate(const Coordinate& c) {
@@ -79,7 +79,7 @@ VectorXd parameters(const Model& arm) {
   const bool bodies = arm.inertial_values().has_value();
   for (size_t j = 0; j < all.size(); ++j) {
     const bool known = all[j].body
-                           ? bodies || arm.frames()[arm.bodies()[*all[j].body]].body->phi
+                           ? bodies || arm.frames()[arm.bodies()[*all[j].body].value].body->phi
                            : !arm.effects()[*all[j].effect].values.empty();
     out[static_cast<Eigen::Index>(j)] =
         known ? all[j].value : std::numeric_limits<double>::quiet_NaN();
@@ -103,7 +103,7 @@ Shapes below: n coordinates, b bodies, p standard parameters.)")
       .def_property_readonly("bodies",
                              [](const Model& arm) {
                                std::vector<std::string> out;
-                               for (const int k : arm.bodies())
+                               for (const auto [k] : arm.bodies())
                                  out.push_back(arm.frames()[k].name);
                                return out;
                              },

@@ -119,9 +119,9 @@ SharedStudy kinematics_call(const py::object& model, const py::dict& words) {
   if (frame.empty()) {
     frame = arm.frames().back().name;
     for (const char* known : {"tool", "tip"})
-      if (arm.find_frame(known) >= 0) frame = known;
+      if (arm.find_frame(known)) frame = known;
   }
-  require(arm.find_frame(frame) >= 0, "kinematics: found the frame '", frame, "', which '", arm.name(), "' does not have.");
+  require(arm.find_frame(frame).has_value(), "kinematics: found the frame '", frame, "', which '", arm.name(), "' does not have.");
   const MatrixXd given = forward ? rows_of(forward) : inverse ? rows_of(inverse) : MatrixXd();
   require(!forward || given.cols() == arm.joints(), "kinematics: found ", given.cols(), " joints, expected the ", arm.joints(), " of ",
           arm.name(), ".");

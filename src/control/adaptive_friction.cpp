@@ -47,7 +47,7 @@ void AdaptiveFriction::adapt(Learned& axis, double force, double s, double neede
   axis.share += step * (std::clamp(found, options_.least, options_.most) - axis.share);
 }
 
-void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, double dt,
+void AdaptiveFriction::update(const ArmState& arm, const VectorRef& missing, double dt,
                               FrictionCompensation& friction) noexcept {
   assert(missing.size() == arm.joints());
   if (!options_.enabled || !(dt > 0.0) || !missing.allFinite() || !(friction.share() > 0.0)) return;

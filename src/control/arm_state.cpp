@@ -34,7 +34,7 @@ ArmState::ArmState(const Model& arm, const Tip& tip)
   for (const EffectTerm& term : arm.arm_effects()) left_out_.push_back(term.effect + "(arm)");
 }
 
-void ArmState::update(const VectorXd& q, const VectorXd& dq) noexcept {
+void ArmState::update(const VectorRef& q, const VectorRef& dq) noexcept {
   assert(q.size() == joints() && dq.size() == joints());
   q_ = q;
   dq_ = dq;

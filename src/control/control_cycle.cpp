@@ -108,11 +108,11 @@ const ArmState& ControlCycle::measure(const Measured& measured, double dt) noexc
   return state_;
 }
 
-void ControlCycle::add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept {
+void ControlCycle::add_friction(const VectorRef& dq_wanted, const VectorRef& error) noexcept {
   if (friction_) tau_ += friction_->update(state_, dq_wanted, error, dt_);
 }
 
-void ControlCycle::add_model_error(const VectorXd& y) noexcept {
+void ControlCycle::add_model_error(const VectorRef& y) noexcept {
   y_ = y;
   if (!observes_) return;
   if (uncertainty_ && until_limit_-- == 0) {
@@ -157,7 +157,7 @@ const VectorXd& ControlCycle::send() noexcept {
   return drive_;
 }
 
-void ControlCycle::set_sent_torques(const VectorXd& drive_torques) noexcept {
+void ControlCycle::set_sent_torques(const VectorRef& drive_torques) noexcept {
   sent_ = drive_torques;
   sensors_.correct_torques(sent_);
   error_.set_sent_torques(tau_, sent_);
@@ -207,9 +207,7 @@ void ControlCycle::disable() noexcept {
 
 std::optional<ControllerFault> ControlCycle::fault() const noexcept {
   if (known_ == SafetyFault::kNone) return std::nullopt;
-  std::optional<JointIndex> joint;
-  if (safety_->joint()) joint = JointIndex{*safety_->joint()};
-  return ControllerFault{known_, joint, fault_time_};
+  return ControllerFault{known_, safety_->joint(), fault_time_};
 }
 
 }  // namespace veridyn

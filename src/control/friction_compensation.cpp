@@ -17,7 +17,7 @@ double deadband_of(const Deadband& deadband, bool prismatic) {
   return prismatic ? deadband.prismatic : deadband.revolute;
 }
 
-double dot_product(const std::vector<JointCoefficient>& axis, const VectorXd& x) {
+double dot_product(const std::vector<JointCoefficient>& axis, const VectorRef& x) {
   double sum = 0.0;
   for (const JointCoefficient& c : axis) sum += c.coefficient * x[c.coordinate];
   return sum;
@@ -184,8 +184,8 @@ void FrictionCompensation::set_axis_states(const ArmState& arm) noexcept {
   }
 }
 
-const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd& dq_wanted,
-                                             const VectorXd& error, double dt) noexcept {
+const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorRef& dq_wanted,
+                                             const VectorRef& error, double dt) noexcept {
   assert(arm.joints() == tau_.size() && dq_wanted.size() == tau_.size() &&
          error.size() == tau_.size());
   tau_.setZero();

@@ -12,7 +12,7 @@ GravityCompensation::GravityCompensation(const Model& arm)
       rest_(VectorXd::Zero(arm.joints())),
       tau_(rest_) {}
 
-const VectorXd& GravityCompensation::update(const VectorXd& q) noexcept {
+const VectorXd& GravityCompensation::update(const VectorRef& q) noexcept {
   assert(q.size() == tau_.size());
   dynamics_.gravity_torques(q, tau_);
   add_forces(forces_, q, rest_, rest_, tau_);

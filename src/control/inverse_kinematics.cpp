@@ -14,6 +14,11 @@ constexpr int kMostHalvings = 12;
 
 }  // namespace
 
+const char* name_of(ReachStatus status) {
+  static constexpr const char* kNames[] = {"reached", "not reached", "outside limits", "singular", "out of reach"};
+  return kNames[static_cast<int>(status)];
+}
+
 InverseKinematics::InverseKinematics(const Model& arm, const Tip& tip,
                                      const InverseKinematicsOptions& options)
     : options_(options),
@@ -39,7 +44,7 @@ InverseKinematics::InverseKinematics(const Model& arm, const Tip& tip,
 
 // Computes the error of the pose at q; returns its norm in characteristic lengths and radians.
 double InverseKinematics::measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R,
-                                  const VectorXd& q, Vector6d& e) noexcept {
+                                  const VectorRef& q, Vector6d& e) noexcept {
   kinematics_.update(q, rest_);
   e.head<3>() = position - kinematics_.position();
   e.tail<3>().setZero();
@@ -54,7 +59,7 @@ double InverseKinematics::measure(const Eigen::Vector3d& position, const Eigen::
 }
 
 // Computes the step from q; joints that would leave their range stay where they are.
-void InverseKinematics::step(const Vector6d& e, const VectorXd& q) noexcept {
+void InverseKinematics::step(const Vector6d& e, const VectorRef& q) noexcept {
   inverse_.release();
   for (Eigen::Index round = 0; round <= q.size(); ++round) {
     inverse_.update(kinematics_.jacobian());

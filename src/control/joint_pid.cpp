@@ -22,8 +22,8 @@ JointPid::JointPid(const PidGains& gains, const PidLimits& limits)
             "joint PID: found gains that are not ", n, " finite numbers, none below zero.");
 }
 
-void JointPid::torques(const VectorXd& q, const VectorXd& dq, const VectorXd& wanted_q,
-                       const VectorXd& wanted_dq, double dt, VectorXd& tau) noexcept {
+void JointPid::torques(const VectorRef& q, const VectorRef& dq, const VectorRef& wanted_q,
+                       const VectorRef& wanted_dq, double dt, VectorXd& tau) noexcept {
   assert(tau.size() == integral_.size());
   for (Eigen::Index k = 0; k < tau.size(); ++k) {
     const double e = wanted_q[k] - q[k];

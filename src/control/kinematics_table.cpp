@@ -54,7 +54,7 @@ class Rows {
   }
 
   // Pose, Jacobian, conditioning and exceeded limits at q; status and errors as by default.
-  KinematicRow row(const VectorXd& q) {
+  KinematicRow row(const VectorRef& q) {
     KinematicRow out;
     out.q = q;
     tip_.update(q, VectorXd::Zero(q.size()));
@@ -104,8 +104,8 @@ VectorXd halton_configuration(const MotionLimits& limits, int index) {
 
 // Tries Newton steps from the present joints, from the start, and from points spread over the ranges, since
 // steps may end at joint limits or at singularities between postures. If all fail, q is where those from the present joints end.
-bool solve_from_several_starts(InverseKinematics& newton, const Eigen::Isometry3d& wanted,
-                               const MotionLimits& limits, const VectorXd& start, VectorXd& q) {
+ReachStatus solve_from_several_starts(InverseKinematics& newton, const Eigen::Isometry3d& wanted,
+                               const MotionLimits& limits, const VectorRef& start, VectorXd& q) {
   VectorXd trial = q;
   for (int k = -1; k <= kStarts; ++k) {
     if (k == 0) trial = start;
@@ -115,17 +115,22 @@ bool solve_from_several_starts(InverseKinematics& newton, const Eigen::Isometry3
                          (newton.position_error() <= kPrintedPosition &&
                           newton.angle_error() <= kPrintedAngle);
     if (reached || k < 0) q = trial;
-    if (reached) return true;
-    if (q.size() > kMostJoints) return false;
+    if (reached) return ReachStatus::kReached;
+    if (q.size() > kMostJoints) break;
   }
-  return false;
+  return ReachStatus::kNotReached;
 }
 
 }  // namespace
 
+const char* name_of(KinematicSolver solver) {
+  static constexpr const char* kNames[] = {"forward", "workspace", "closed form", "Newton"};
+  return kNames[static_cast<int>(solver)];
+}
+
 int KinematicTable::unreached() const {
   return static_cast<int>(std::count_if(rows.begin(), rows.end(), [](const KinematicRow& row) {
-    return row.status != "reached" && row.status != "singular";
+    return row.status != ReachStatus::kReached && row.status != ReachStatus::kSingular;
   }));
 }
 
@@ -148,7 +153,6 @@ KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
           " joint columns, expected the ", arm.joints(), " of ", arm.name(), ".");
   require(joints.allFinite(), "kinematics: found a joint position that is not finite.");
   Rows rows(arm, frame);
-  rows.table().solver = "forward";
   for (Eigen::Index k = 0; k < joints.rows(); ++k)
     rows.table().rows.push_back(rows.row(joints.row(k).transpose()));
   return std::move(rows.table());
@@ -157,7 +161,7 @@ KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
 KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
                                   const InverseTask& task, const InverseSolver& solver) {
   Rows rows(arm, frame);
-  rows.table().solver = solver ? "closed form" : "Newton";
+  rows.table().solver = solver ? KinematicSolver::kClosedForm : KinematicSolver::kNewton;
   rows.table().has_orientation = task.has_orientation;
   const MotionLimits limits = motion_limits(arm);
   VectorXd q = 0.5 * (limits.lower + limits.upper);
@@ -172,12 +176,7 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
   const VectorXd middle = q;
   for (const Eigen::Isometry3d& wanted : task.poses) {
     require(wanted.matrix().allFinite(), "kinematics: found a pose that is not finite.");
-    std::string status;
-    if (solver) {
-      status = solver(wanted, q);
-    } else {
-      status = solve_from_several_starts(newton, wanted, limits, middle, q) ? "reached" : "not reached";
-    }
+    const ReachStatus status = solver ? solver(wanted, q) : solve_from_several_starts(newton, wanted, limits, middle, q);
     KinematicRow row = rows.row(q);
     row.status = status;
     row.position_error = (row.T_world_tip.translation() - wanted.translation()).norm();
@@ -195,7 +194,7 @@ KinematicTable sample_workspace(const Model& arm, const std::string& frame, int 
           " joints, expected at most 12 for a sampled workspace.");
   const MotionLimits limits = motion_limits(arm);
   Rows rows(arm, frame);
-  rows.table().solver = "workspace";
+  rows.table().solver = KinematicSolver::kWorkspace;
   VectorXd q(arm.joints());
   for (int k = 1; k <= count; ++k) {
     for (Eigen::Index i = 0; i < q.size(); ++i)
@@ -216,8 +215,8 @@ std::string KinematicTable::report() const {
   }
   std::sort(condition.begin(), condition.end());
   std::string out = fmt::format("{}, frame {}: {} posture{}, {}.\n", robot, frame, rows.size(),
-                                rows.size() == 1 ? "" : "s", solver);
-  if (solver != "forward" && solver != "workspace") {
+                                rows.size() == 1 ? "" : "s", name_of(solver));
+  if (is_inverse()) {
     double off = 0.0, turned = 0.0;
     for (const KinematicRow& row : rows) {
       off = std::max(off, row.position_error);
@@ -256,8 +255,7 @@ void write_kinematic_rows(const KinematicTable& table, const std::string& path,
   for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz", "condition", "smallest",
                            "manipulability", "pose_condition"})
     add(name);
-  const bool inverse = table.solver != "forward" && table.solver != "workspace";
-  if (inverse) head += ",status,position_error,angle_error";
+  if (table.is_inverse()) head += ",status,position_error,angle_error";
   if (jacobian == JacobianColumns::kWith) {
     for (int r = 1; r <= 6; ++r) {
       for (std::size_t i = 0; i < table.joints.size(); ++i) head += fmt::format(",J{}_{}", r, i + 1);
@@ -275,8 +273,8 @@ void write_kinematic_rows(const KinematicTable& table, const std::string& path,
     for (const double x : {p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z(), row.position.condition,
                            row.position.smallest, row.position.manipulability, row.pose.condition})
       number(x);
-    if (inverse)
-      line += fmt::format(",{},{:.4g},{:.4g}", row.status, row.position_error, row.angle_error);
+    if (table.is_inverse())
+      line += fmt::format(",{},{:.4g},{:.4g}", name_of(row.status), row.position_error, row.angle_error);
     if (jacobian == JacobianColumns::kWith) {
       for (Eigen::Index r6 = 0; r6 < 6; ++r6) {
         for (Eigen::Index i = 0; i < row.jacobian.cols(); ++i) number(row.jacobian(r6, i));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -25,18 +26,26 @@ struct KinematicRow {
   Eigen::Isometry3d T_world_tip = Eigen::Isometry3d::Identity();
   MatrixXd jacobian;                                      ///< (6 x n), linear rows first, world
   Conditioning position, pose;                            ///< conditioning of the first three rows, and of all six
-  std::string status = "reached";                         ///< status of inverse kinematics
+  ReachStatus status = ReachStatus::kReached;             ///< status of inverse kinematics
   double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] remaining errors
   std::vector<std::string> outside;  ///< joints outside the robot file's limits
 };
 
+/// The way in which the rows of a table were computed; the last two solve for poses.
+enum class KinematicSolver { kForward, kWorkspace, kClosedForm, kNewton };
+
+/// "forward", "workspace", "closed form", "Newton".
+const char* name_of(KinematicSolver solver);
+
 struct KinematicTable {
-  std::string robot, frame, solver;
+  std::string robot, frame;
+  KinematicSolver solver = KinematicSolver::kForward;
   std::vector<std::string> joints;
   std::vector<bool> prismatic;
   std::vector<Limits> limits;  ///< limits of the robot file
   bool has_time = false, has_orientation = true;
   std::vector<KinematicRow> rows;
+  bool is_inverse() const { return solver >= KinematicSolver::kClosedForm; }  ///< the rows solve for poses
   int unreached() const;  ///< number of rows whose pose was not reached
   /// The joints that are outside of their limits in some row, each with the first such value and its limits;
   /// empty if there are none.
@@ -49,9 +58,9 @@ struct KinematicTable {
 KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
                                   const MatrixXd& joints);
 
-/// Solves for a pose and returns a status word; `q` starts at the previous row.
+/// Solves for a pose; `q` starts at the previous row.
 using InverseSolver =
-    std::function<std::string(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
+    std::function<ReachStatus(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
 
 struct InverseTask {
   std::vector<Eigen::Isometry3d> poses;

@@ -38,7 +38,7 @@ void ModelErrorObserver::reset() noexcept {
   first_ = true;
 }
 
-void ModelErrorObserver::set_sent_torques(const VectorXd& asked, const VectorXd& sent) noexcept {
+void ModelErrorObserver::set_sent_torques(const VectorRef& asked, const VectorRef& sent) noexcept {
   assert(asked.size() == d_.size() && sent.size() == d_.size());
   const double least = kSentShare * asked.cwiseAbs().maxCoeff();
   for (Eigen::Index i = 0; i < d_.size(); ++i) {
@@ -48,13 +48,13 @@ void ModelErrorObserver::set_sent_torques(const VectorXd& asked, const VectorXd&
   }
 }
 
-bool ModelErrorObserver::set_limit(const VectorXd& limit) noexcept {
+bool ModelErrorObserver::set_limit(const VectorRef& limit) noexcept {
   if (limit.size() != d_.size() || !limit.allFinite() || limit.minCoeff() < 0.0) return false;
   options_.limit = limit;
   return true;
 }
 
-const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& y,
+const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorRef& y,
                                            double dt) noexcept {
   assert(y.size() == d_.size() && arm.joints() == d_.size());
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !y.allFinite() || !(dt >= 0.0) ||

@@ -24,8 +24,8 @@ FrictionOptions full_friction_options() {
 std::vector<int> first_frames(const Model& arm) {
   std::vector<int> first(arm.joints(), static_cast<int>(arm.frames().size()));
   for (int i = 0; i < arm.joints(); ++i) {
-    for (const int k : arm.bodies()) {
-      if (!arm.moves(k, i)) continue;
+    for (const auto [k] : arm.bodies()) {
+      if (!arm.moves({k}, {i})) continue;
       first[i] = k;
       break;
     }
@@ -73,8 +73,8 @@ void MomentumObserver::reset() noexcept {
   std::fill(above_.begin(), above_.end(), 0);
 }
 
-const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& tau_motor,
-                                         const VectorXd& ddq, double dt) noexcept {
+const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorRef& tau_motor,
+                                         const VectorRef& ddq, double dt) noexcept {
   assert(arm.joints() == r_.size() && tau_motor.size() == r_.size() && ddq.size() == r_.size());
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !tau_motor.allFinite() || !ddq.allFinite() ||
       !(dt >= 0.0) || !std::isfinite(dt)) {

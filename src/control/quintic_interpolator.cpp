@@ -13,7 +13,7 @@ QuinticInterpolator::QuinticInterpolator(const VectorRef& x)
           " entries, expected at least one, and all of them finite.");
 }
 
-void QuinticInterpolator::reset(const VectorXd& x) noexcept {
+void QuinticInterpolator::reset(const VectorRef& x) noexcept {
   if (x.size() != x_.size() || !x.allFinite()) return;
   x_ = goal_ = x;
   dx_.setZero();
@@ -21,7 +21,7 @@ void QuinticInterpolator::reset(const VectorXd& x) noexcept {
   time_ = duration_ = 0.0;
 }
 
-bool QuinticInterpolator::move_to(const VectorXd& goal, double duration) noexcept {
+bool QuinticInterpolator::move_to(const VectorRef& goal, double duration) noexcept {
   if (goal.size() != x_.size() || !goal.allFinite() || !(duration > 0.0) ||
       !std::isfinite(duration))
     return false;

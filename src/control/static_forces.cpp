@@ -30,8 +30,8 @@ std::vector<BoundEffect> static_forces(const Model& arm) {
   return forces;
 }
 
-void add_forces(std::vector<BoundEffect>& forces, const VectorXd& q, const VectorXd& dq,
-                const VectorXd& rest, VectorXd& tau) noexcept {
+void add_forces(std::vector<BoundEffect>& forces, const VectorRef& q, const VectorRef& dq,
+                const VectorRef& rest, VectorXd& tau) noexcept {
   for (BoundEffect& effect : forces) {
     const double force = effect.force(effect.sample(0.0, q.data(), dq.data(), rest.data(), 1));
     const VectorXd& c = effect.term().axis.coefficients;

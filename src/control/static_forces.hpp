@@ -23,8 +23,8 @@ ControlPart control_part(const EffectTraits& traits);  ///< the part of a contro
 std::vector<BoundEffect> static_forces(const Model& arm);
 
 /// Adds the torques of these effects. @param rest  (n) zeros.
-void add_forces(std::vector<BoundEffect>& forces, const VectorXd& q, const VectorXd& dq,
-                const VectorXd& rest, VectorXd& tau) noexcept;
+void add_forces(std::vector<BoundEffect>& forces, const VectorRef& q, const VectorRef& dq,
+                const VectorRef& rest, VectorXd& tau) noexcept;
 
 /// The inertial parameters of all bodies. @throws InvalidInput  a body has no values; the message
 /// begins with `where`.

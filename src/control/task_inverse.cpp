@@ -133,7 +133,7 @@ Vector6d TaskInverse::weigh(const Vector6d& a) const noexcept {
   return out;
 }
 
-void TaskInverse::solve_wrench(const VectorXd& tau, Vector6d& h) noexcept {
+void TaskInverse::solve_wrench(const VectorRef& tau, Vector6d& h) noexcept {
   assert(tau.size() == J_.cols());
   Vector6d moved = Vector6d::Zero();
   for (Eigen::Index i = 0; i < J_.cols(); ++i) {
@@ -143,7 +143,7 @@ void TaskInverse::solve_wrench(const VectorXd& tau, Vector6d& h) noexcept {
   for (int r = 0; r < std::min(rows_, 3); ++r) h[r] /= length_;
 }
 
-void TaskInverse::solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept {
+void TaskInverse::solve(const Vector6d& a, const VectorRef& y0, VectorXd& y) noexcept {
   assert(y0.size() == J_.cols() && y.size() == J_.cols());
   // Subtracts the component of the posture that affects the task.
   Vector6d rest = a;

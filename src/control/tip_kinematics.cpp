@@ -10,16 +10,16 @@
 namespace veridyn {
 namespace {
 
-// Index of the tip's frame; throws InvalidInput without such a frame or with an offset that is not finite.
-int tip_frame(const Model& arm, const Tip& tip) {
+// The tip's frame; throws InvalidInput without such a frame or with an offset that is not finite.
+FrameIndex tip_frame(const Model& arm, const Tip& tip) {
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int frame = arm.find_frame(tip.frame);
-  require(frame >= 0, "tip of arm '", arm.name(), "': found the frame '", tip.frame, "'",
+  const std::optional<FrameIndex> frame = arm.find_frame(tip.frame);
+  require(frame.has_value(), "tip of arm '", arm.name(), "': found the frame '", tip.frame, "'",
           did_you_mean(tip.frame, names), ", expected one of: ", listed(names), ".");
   require(tip.offset_frame.allFinite(), "tip of arm '", arm.name(),
           "': found an offset that is not finite, expected three numbers in metres.");
-  return frame;
+  return *frame;
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ TipKinematics::TipKinematics(const Model& arm, const Tip& tip)
     : motion_(Tree(arm, Tree::Keep::kMovingLinks), tip_frame(arm, tip),
               {tip.offset_frame.x(), tip.offset_frame.y(), tip.offset_frame.z()}) {}
 
-void TipKinematics::update(const VectorXd& q, const VectorXd& dq) noexcept {
+void TipKinematics::update(const VectorRef& q, const VectorRef& dq) noexcept {
   assert(q.size() == joints() && dq.size() == joints());
   motion_.update(q.data(), dq.data());
   const Posed& T = motion_.pose();

@@ -20,7 +20,7 @@ constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "L
 // Index of a parameter among 10 of every body, from its name; -1: none.
 int inertial_parameter_index(const Model& arm, const std::string& name) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const std::string& frame = arm.frames()[arm.bodies()[b]].name;
+    const std::string& frame = arm.frames()[arm.bodies()[b].value].name;
     for (size_t k = 0; k < kSymbols.size(); ++k) {
       if (name == std::string(kSymbols[k]) + "_" + frame) return static_cast<int>(10 * b + k);
     }
@@ -108,7 +108,7 @@ void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
   }
 }
 
-const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& ddq) noexcept {
+const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorRef& ddq) noexcept {
   assert(ddq.size() == u_.size() && arm.joints() == u_.size());
   regressor_.evaluate(arm.q(), arm.dq(), ddq, Y_);
   sum_.setZero();

@@ -18,7 +18,7 @@ void VelocityObserver::reset() noexcept {
   dq_.setZero();
 }
 
-const VectorXd& VelocityObserver::update(const VectorXd& q, const VectorXd& ddq,
+const VectorXd& VelocityObserver::update(const VectorRef& q, const VectorRef& ddq,
                                          double dt) noexcept {
   assert(q.size() == q_.size() && ddq.size() == q_.size());
   if (first_ && q.allFinite()) {

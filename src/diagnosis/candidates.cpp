@@ -75,7 +75,7 @@ class Enumeration {
         out_.push_back(channel_candidate(arm_, *channel, std::nullopt));
     }
     for (const Axis& axis : axes_of(arm_)) {
-      const JointIndex joint{main_coordinate(axis)};
+      const JointIndex joint = main_coordinate(axis);
       if (static_cast<size_t>(joint.value) < scope_.still.size() &&
           scope_.still[joint.value])
         continue;

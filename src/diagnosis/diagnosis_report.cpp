@@ -10,7 +10,7 @@
 #include "diagnosis/numerics.hpp"
 #include "identification/differing_recordings.hpp"
 #include "identification/identification_numbers.hpp"
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 #include "math/digits.hpp"
 #include "veridyn/identification/robot_check.hpp"
 #include "veridyn/identification/verdict.hpp"
@@ -61,7 +61,7 @@ std::string status_words(const Finding& f) {
 }
 
 std::string place_of_joint(const CauseWords& w) {
-  return w.joint > 0 ? fmt::format(" on joint {} ({})", w.joint, w.coordinate) : " of the whole arm";
+  return w.joint ? fmt::format(" on joint {} ({})", w.joint->value + 1, w.coordinate) : " of the whole arm";
 }
 
 std::string rival_text(const Diagnosis& d, const Rival& r) {
@@ -156,13 +156,12 @@ std::string summary_text(const Diagnosis& d) {
   return out;
 }
 
-// @param joint  counted from 1.
-std::string worsening_text(const Diagnosis& d, int joint) {
-  const Eigen::Index i = joint - 1;
+std::string worsening_text(const Diagnosis& d, JointIndex joint) {
+  const int i = joint.value;
   const std::string name =
       d.baseline.model ? d.baseline.model->coordinates()[i].name : "";
   return fmt::format("the extended model is worse on joint {} ({}): {:.1f} -> {:.1f} % held out",
-                     joint, name, kPercent * d.baseline.test_error.relative[i],
+                     i + 1, name, kPercent * d.baseline.test_error.relative[i],
                      kPercent * d.extended.test_error.relative[i]);
 }
 
@@ -191,7 +190,7 @@ std::string Diagnosis::sentence(const Finding& finding) const {
 std::string NextExperiment::words(const Model& arm, size_t k) const {
   const CauseWords w = words_of(arm, between[k]);
   if (!w.frame.empty()) return w.effect + " on " + w.frame;
-  return w.joint > 0 ? w.effect + " on joint " + std::to_string(w.joint) : w.effect;
+  return w.joint ? w.effect + " on joint " + std::to_string(w.joint->value + 1) : w.effect;
 }
 
 const char* name_of(JointState state) {
@@ -215,10 +214,10 @@ bool Diagnosis::has_answer() const {
 
 std::string mistakes_text(const Diagnosis& d) {
   std::string wrong;
-  std::set<std::pair<std::string, int>> once;  // recordings with the same mistake differ in its numbers
+  std::set<std::pair<QualityKind, std::optional<JointIndex>>> once;  // recordings with the same mistake differ in its numbers
   for (const RecordingQuality& q : d.data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (is_contradiction(f) && once.insert({f.finding, f.joint}).second) wrong += f.sentence + " ";
+      if (is_contradiction(f) && once.insert({f.kind, f.joint}).second) wrong += f.sentence + " ";
     }
   }
   return wrong.empty() ? wrong : wrong + (d.mended ? "With that: " : "As recorded: ");
@@ -229,7 +228,7 @@ std::string Diagnosis::verdict() const {
   if (!has_answer()) return wrong + "cannot tell: " + joints.front().why;
   const auto is_cut = [this](JointIndex joint) {
     return std::any_of(data_quality.begin(), data_quality.end(), [&](const RecordingQuality& q) {
-      return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == joint.value; });
+      return std::any_of(q.saturated.begin(), q.saturated.end(), [&](const SaturatedInterval& one) { return one.joint == joint; });
     });
   };
   if (findings.empty()) {
@@ -272,7 +271,7 @@ std::string Diagnosis::verdict() const {
   });
   if (!findings.front().shape && largest->shape)
     out += fmt::format(" More of the error, {}, has no name: {}", share_text(largest->explains), sentence(*largest));
-  for (const int joint : summary.worse_joints) {
+  for (const JointIndex joint : summary.worse_joints) {
     std::string words = worsening_text(*this, joint);
     words.front() = 'T';
     out += " " + words + ".";
@@ -302,7 +301,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   }
   if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
-  for (const std::vector<int>& group : moving_as_one) {
+  for (const std::vector<JointIndex>& group : moving_as_one) {
     if (!has_answer()) break;  // the verdict states the reason
     out += "joints " + numbers_from_one(group) +
            " move as one in all training recordings: what depends on one of them cannot be told from "
@@ -327,7 +326,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);
-  for (const int joint : summary.worse_joints) out += "WARNING: " + worsening_text(*this, joint) + "\n";
+  for (const JointIndex joint : summary.worse_joints) out += "WARNING: " + worsening_text(*this, joint) + "\n";
   out += "\nerrors, % of the torque, per joint; held out: every row as recorded\n";
   if (baseline.weights == JointWeights::kResidual)
     out += "  joints weighted by their residual: the baseline is that of `identify --weights residual`\n";

@@ -38,9 +38,9 @@ std::vector<int> places_of(const Model& arm, const std::string& link) {
   if (!link.empty()) {
     std::vector<std::string> names;
     for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-    out = {arm.find_frame(link)};
-    require(out.front() >= 0, "--link: found '", link, "', expected the name of a frame", did_you_mean(link, names), ".");
-    return out;
+    const std::optional<FrameIndex> frame = arm.find_frame(link);
+    require(frame.has_value(), "--link: found '", link, "', expected the name of a frame", did_you_mean(link, names), ".");
+    return {frame->value};
   }
   for (const FrameIndex frame : payload_frames(arm)) out.push_back(frame.value);
   return out;
@@ -68,7 +68,7 @@ Model with_load(const Model& arm, const PayloadEstimate& load) {
   ModelDescription d = arm.description();
   Frame frame;
   frame.name = std::string(AddedLoad::kName) + "@" + load.frame;
-  frame.parent = FrameIndex{arm.find_frame(load.frame)};
+  frame.parent = arm.find_frame(load.frame);
   frame.variable.coefficients = VectorXd::Zero(arm.joints());
   frame.body = Body{};
   frame.body->phi = load.phi;
@@ -140,7 +140,7 @@ class LoadFit {
     for (size_t kind = 0; kind < asked.friction.front().size(); ++kind) {
       std::vector<int> next = sets_.back();
       for (int i = 0; i < model.joints(); ++i)
-        if (model.moves(place, i)) next.push_back(asked.friction[static_cast<size_t>(i)][kind]);
+        if (model.moves({place}, {i})) next.push_back(asked.friction[static_cast<size_t>(i)][kind]);
       sets_.push_back(std::move(next));
     }
     weights_ = weights(sample, band, error);
@@ -262,7 +262,7 @@ class LoadFit {
       before += remaining_squares(part, &part, none);
     }
     for (int i = 0; i < model_.joints(); ++i)
-      if (weights_[i] > 0.0 && with[i] > 0.0 && before[i] > 0.0 && model_.moves(place_, i)) out.gain += std::log(before[i] / with[i]);
+      if (weights_[i] > 0.0 && with[i] > 0.0 && before[i] > 0.0 && model_.moves({place_}, {i})) out.gain += std::log(before[i] / with[i]);
   }
 
   const Model& model_;
@@ -306,11 +306,11 @@ bool is_unexplained(const Model& model, int joint, double left, double band) {
 
 // Mass of the bodies of one link [kg]: of the prior if there is one, since torques alone determine no masses.
 double mass_on(const Model& model, const std::string& frame) {
-  const std::optional<FrameIndex> own = moving_frame(model, FrameIndex{model.find_frame(frame)});
+  const std::optional<FrameIndex> own = moving_frame(model, model.find_frame(frame));
   double drawn = 0.0, valued = 0.0;
-  for (const int k : model.bodies()) {
-    if (moving_frame(model, FrameIndex{k}) != own) continue;
-    const Body& body = *model.frames()[k].body;
+  for (const FrameIndex k : model.bodies()) {
+    if (moving_frame(model, k) != own) continue;
+    const Body& body = *model.frames()[k.value].body;
     valued += body.phi ? (*body.phi)[0] : 0.0;
     drawn += body.prior ? (*body.prior)[0] : 0.0;
   }
@@ -332,7 +332,7 @@ void note_unexplained(const Question& q, const VectorXd& band, PayloadReport& ou
       const double left = out.error_before[i] * link.error_with_load[i];
       if (!is_unexplained(q.model, i, left, band[i])) continue;
       const std::string& joint = q.model.coordinates()[i].name;
-      if (q.model.moves(q.model.find_frame(link.frame), i)) link.unexplained.push_back(joint);
+      if (q.model.moves(*q.model.find_frame(link.frame), {i})) link.unexplained.push_back(joint);
       else if (!q.link.empty()) elsewhere += fmt::format("{}{} ({:.2g} %)", elsewhere.empty() ? "" : ", ", joint, numerics::kPercent * left);
     }
   }

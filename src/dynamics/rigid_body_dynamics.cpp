@@ -68,7 +68,7 @@ void RigidBodyDynamics::inverse_dynamics(const VectorRef& q, const VectorRef& dq
          tau.size() == joints() && external.size() <= tree_.frames.size());
   wrenches_.clear();
   for (const FrameWrench& w : external) {
-    const BodyPlace& place = tree_.frames[w.frame];
+    const BodyPlace& place = tree_.frames[w.frame.value];
     if (place.link < 0) continue;  // the body is fixed to the world
     const Posed& T = place.T_link_body;
     const Vec3d force = rotate(T.R, Vec3d{w.force.x(), w.force.y(), w.force.z()});

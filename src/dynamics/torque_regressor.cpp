@@ -80,7 +80,7 @@ void TorqueRegressor::evaluate(const MatrixRef& q, const MatrixRef& dq, const Ma
           end, " of ", joints(), ".");
   Y.resize(joints());
   for (int i = first; i < end; ++i) {
-    const auto cols = static_cast<Eigen::Index>(columns(i).size());
+    const auto cols = static_cast<Eigen::Index>(columns({i}).size());
     if (Y[i].rows() != in.rows || Y[i].cols() < cols) Y[i].resize(in.rows, cols);
   }
   Links tree = tree_;
@@ -99,14 +99,14 @@ void TorqueRegressor::evaluate(const MatrixRef& q, const MatrixRef& dq, const Ma
   // then copied out column by column.
   thread_local AlignedDoubles memory;
   size_t wide = 0;
-  for (int i = first; i < end; ++i) wide += columns(i).size();
+  for (int i = first; i < end; ++i) wide += columns({i}).size();
   double* block = memory.get(wide * kBlockRows);
   for (int row = 0; row < in.rows; row += kBlockRows) {
     const int rows = std::min(kBlockRows, in.rows - row);
     double* next = block;
     for (int i = first; i < end; ++i) {
       data[i] = next;
-      next += columns(i).size() * static_cast<size_t>(rows);
+      next += columns({i}).size() * static_cast<size_t>(rows);
     }
     const auto part = [row](const SampleColumns& of) {
       return SampleColumns{of.data + row, of.stride};
@@ -115,7 +115,7 @@ void TorqueRegressor::evaluate(const MatrixRef& q, const MatrixRef& dq, const Ma
                                      workspace);
     for (int i = first; i < end; ++i) {
       const double* from = data[i];
-      const auto cols = static_cast<Eigen::Index>(columns(i).size());
+      const auto cols = static_cast<Eigen::Index>(columns({i}).size());
       for (Eigen::Index c = 0; c < cols; ++c, from += rows)
         std::copy_n(from, rows, Y[i].data() + c * in.rows + row);
     }
@@ -141,7 +141,7 @@ void TorqueRegressor::gradient(const MatrixRef& q, const MatrixRef& dq, const Ma
   std::vector<const double*> data;
   for (int i = 0; i < joints(); ++i) {
     const MatrixXd& w = weights[i];
-    const auto expected = static_cast<Eigen::Index>(columns(i).size());
+    const auto expected = static_cast<Eigen::Index>(columns({i}).size());
     require(w.rows() == in.rows && w.cols() == expected, "TorqueRegressor: the weights of joint ",
             i + 1, " are ", w.rows(), " x ", w.cols(), ", expected ", in.rows, " x ", expected,
             ".");

@@ -137,21 +137,21 @@ std::string to_text(const CauseText& cause) {
 JointIndex find_joint(const Model& arm, const std::string& word, const std::string& where) {
   std::vector<std::string> names;
   for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
-  int joint = arm.find_coordinate(word);
-  if (joint < 0 && is_number(word)) joint = std::stoi(word) - 1;
-  require(joint >= 0 && joint < arm.joints(), where, ": found the joint '", word, "'",
+  std::optional<JointIndex> joint = arm.find_coordinate(word);
+  if (!joint && is_number(word)) joint = {std::stoi(word) - 1};
+  require(joint && joint->value >= 0 && joint->value < arm.joints(), where, ": found the joint '", word, "'",
           did_you_mean(word, names), ", expected a number from 1 to ", arm.joints(),
           " or one of: ", listed(names), ".");
-  return {joint};
+  return *joint;
 }
 
 FrameIndex find_frame(const Model& arm, const std::string& word, const std::string& where) {
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int k = arm.find_frame(word);
-  require(k >= 0, where, ": found the frame '", word, "'", did_you_mean(word, names),
+  const std::optional<FrameIndex> k = arm.find_frame(word);
+  require(k.has_value(), where, ": found the frame '", word, "'", did_you_mean(word, names),
           ", expected one of: ", listed(names), ".");
-  return {k};
+  return *k;
 }
 
 Cause find_cause(const Model& arm, const CauseText& cause, const std::string& where) {
@@ -292,7 +292,7 @@ std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause) {
   if (!frame) return joint_of(cause);
   JointIndex last;
   for (int i = 0; i < arm.joints(); ++i) {
-    if (arm.moves(frame->value, i)) last.value = i;
+    if (arm.moves(*frame, {i})) last = {i};
   }
   return last;
 }
@@ -304,9 +304,8 @@ bool same_cause(const Cause& a, const Cause& b) {
 CauseWords words_of(const Model& arm, const Cause& cause) {
   CauseWords out;
   out.effect = effect_of(cause);
-  const std::optional<JointIndex> joint = acting_joint(arm, cause);
-  out.joint = joint ? joint->value + 1 : 0;
-  out.coordinate = joint ? arm.coordinates()[joint->value].name : kWholeArm;
+  out.joint = acting_joint(arm, cause);
+  out.coordinate = out.joint ? arm.coordinates()[out.joint->value].name : kWholeArm;
   if (const auto frame = frame_of(cause))
     out.frame = arm.frames()[frame->value].name;
   if (const auto* wrong = std::get_if<KinematicError>(&cause)) {
@@ -316,9 +315,9 @@ CauseWords words_of(const Model& arm, const Cause& cause) {
                               wrong->constant);
   }
   if (const auto* contact = std::get_if<ExternalContact>(&cause)) {
-    int k = 0;
-    while (!arm.moves(k, contact->joint.value)) ++k;
-    out.frame = arm.frames()[k].name;
+    FrameIndex k;
+    while (!arm.moves(k, contact->joint)) ++k.value;
+    out.frame = arm.frames()[k.value].name;
   }
   return out;
 }

@@ -103,12 +103,12 @@ Model with_arm_states(const Model& arm) {
 
 std::optional<JointIndex> channel_joint(const ChannelEffect& effect, const EffectTerm& term) {
   if (effect.can_be_common() && term.axis.coefficients.isZero(0.0)) return std::nullopt;
-  return JointIndex{main_coordinate(term.axis)};
+  return main_coordinate(term.axis);
 }
 
 std::optional<JointIndex> channel_source(const EffectTerm& term) {
   if (!term.from) return std::nullopt;
-  return JointIndex{main_coordinate(*term.from)};
+  return main_coordinate(*term.from);
 }
 
 Model with_channel_error(const Model& arm, const EffectTerm& term,

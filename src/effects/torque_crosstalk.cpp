@@ -39,7 +39,7 @@ class TorqueCrosstalk final : public SensorError {
   }
   void add_to_channel(RecordedChannel& shown, std::optional<JointIndex> from,
                       const std::vector<double>& values) const override {
-    shown.torque_crosstalk[from->value] += values[0];
+    shown.torque_crosstalk[*from] += values[0];
   }
 };
 

@@ -31,13 +31,13 @@ std::vector<std::string> missing_data_cautions(const Model& arm, const Lacks& la
 // The links that move and have a body but no shape, if other links have shapes.
 std::vector<std::string> without_shape(const Model& arm, const std::vector<Capsule>& shapes) {
   std::vector<std::string> out;
-  for (const int k : arm.bodies()) {
-    const std::optional<FrameIndex> mover = moving_frame(arm, FrameIndex{k});
+  for (const FrameIndex k : arm.bodies()) {
+    const std::optional<FrameIndex> mover = moving_frame(arm, k);
     const bool has = std::any_of(shapes.begin(), shapes.end(), [&](const Capsule& capsule) {
-      const int other = arm.find_frame(capsule.frame);
-      return other >= 0 && moving_frame(arm, FrameIndex{other}) == mover;
+      const std::optional<FrameIndex> other = arm.find_frame(capsule.frame);
+      return other && moving_frame(arm, other) == mover;
     });
-    if (mover && !has) out.push_back(arm.frames()[k].name);
+    if (mover && !has) out.push_back(arm.frames()[k.value].name);
   }
   return out;
 }
@@ -92,22 +92,22 @@ void require_ranges_in_radians(const Model& arm, const std::string& robot) {
 LowestPoint lowest_point(const Model& arm, const std::vector<Capsule>& shapes, const MotionSamples& motion) {
   LowestPoint out;
   FramePoints at(arm);
-  const auto look = [&](int frame, const Eigen::Vector3d& point, double radius) {
-    const double z = at.point(FrameIndex{frame}, point).z() - radius;
-    if (!(z >= out.z)) out = {z, arm.frames()[frame].name};
+  const auto look = [&](FrameIndex frame, const Eigen::Vector3d& point, double radius) {
+    const double z = at.point(frame, point).z() - radius;
+    if (!(z >= out.z)) out = {z, arm.frames()[frame.value].name};
   };
-  const auto moves = [&](int frame) { return moving_frame(arm, FrameIndex{frame}).has_value(); };
+  const auto moves = [&](FrameIndex frame) { return moving_frame(arm, frame).has_value(); };
   const int frames = static_cast<int>(arm.frames().size());
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     at.move_to(motion.q.row(row).transpose());
     for (const Capsule& capsule : shapes) {
-      const int frame = arm.find_frame(capsule.frame);
-      if (frame < 0 || !moves(frame)) continue;
-      look(frame, capsule.from, capsule.radius);
-      look(frame, capsule.to, capsule.radius);
+      const std::optional<FrameIndex> frame = arm.find_frame(capsule.frame);
+      if (!frame || !moves(*frame)) continue;
+      look(*frame, capsule.from, capsule.radius);
+      look(*frame, capsule.to, capsule.radius);
     }
     for (int k = 0; k < frames; ++k) {
-      if (moves(k)) look(k, Eigen::Vector3d::Zero(), 0.0);
+      if (moves({k})) look({k}, Eigen::Vector3d::Zero(), 0.0);
     }
   }
   return out;

@@ -76,21 +76,17 @@ MotionLimits share_of(MotionLimits limits, const ExcitationOptions& options) {
 }
 
 // Active limits of a joint other than its own range and speed, and those that couple it to other joints.
-UsedLimits used_limits(const std::vector<LimitMargin>& margins, const std::string& joint) {
+UsedLimits used_limits(const std::vector<LimitMargin>& margins, JointIndex joint) {
   UsedLimits out{kNaN, kNaN, kNaN};
   for (const LimitMargin& m : margins) {
+    if (m.joint && m.joint != joint) continue;
     const double size = m.upper - m.lower;
     const double largest = std::max(std::abs(m.lowest), std::abs(m.highest));
-    if (m.name == "position of " + joint) out.range = (m.highest - m.lowest) / size;
-    if (m.name == "speed of " + joint) out.velocity = largest / m.upper;
-    if (m.name == "torque of " + joint) out.effort = largest / m.upper;
-    const auto of = m.name.rfind(" of " );
-    const bool own = of != std::string::npos && m.name.substr(of + 4) == joint;
-    const bool of_a_joint = m.name.rfind("position of", 0) == 0 || m.name.rfind("speed of", 0) == 0 ||
-                            m.name.rfind("acceleration of", 0) == 0 ||
-                            m.name.rfind("torque of", 0) == 0 || m.name.rfind("stop of", 0) == 0;
+    if (m.kind == LimitKind::kPosition) out.range = (m.highest - m.lowest) / size;
+    if (m.kind == LimitKind::kSpeed) out.velocity = largest / m.upper;
+    if (m.kind == LimitKind::kTorque) out.effort = largest / m.upper;
     const double scale = std::isfinite(size) ? size : std::max(kSmallestSize, std::abs(std::isfinite(m.lower) ? m.lower : m.upper));
-    if ((own || !of_a_joint) && m.margin < kClose * scale) out.held_by.push_back(m.name);
+    if (m.margin < kClose * scale) out.held_by.push_back(m.name);
   }
   return out;
 }
@@ -354,7 +350,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   out.motion = joined(motion, passes);
   out.lowest = lowest_point(arm_, options_.workspace.collisions.shapes, out.motion);
   out.cautions = cautions(arm_, options_, out.lowest, with_values(arm_, options_));
-  for (const Coordinate& joint : arm_.coordinates()) out.used.push_back(used_limits(out.margins, joint.name));
+  for (int i = 0; i < arm_.joints(); ++i) out.used.push_back(used_limits(out.margins, {i}));
   out.limit_share = options_.limit_share.value_or(0.0);
   const BaseRegressor all(arm_);
   out.log_determinant =

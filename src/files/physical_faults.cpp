@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kRoundedDigits = 0.01;  // relative tolerance; files print moments with about three digits
 
-bool moves_at_all(const Model& arm, int frame) {
+bool moves_at_all(const Model& arm, FrameIndex frame) {
   for (int i = 0; i < arm.joints(); ++i) {
-    if (arm.moves(frame, i)) return true;
+    if (arm.moves(frame, {i})) return true;
   }
   return false;
 }
@@ -41,17 +41,17 @@ std::string body_fault(const std::string& name, const InertialParameters& phi) {
 std::vector<std::string> physical_faults(const Model& arm) {
   std::vector<std::string> faults;
   if (arm.bodies().empty()) faults.push_back("no link has a body");
-  for (const int k : arm.bodies()) {
+  for (const auto [k] : arm.bodies()) {
     const Frame& frame = arm.frames()[k];
-    if (!frame.body->phi || !moves_at_all(arm, k)) continue;
+    if (!frame.body->phi || !moves_at_all(arm, {k})) continue;
     const std::string fault = body_fault(frame.name, *frame.body->phi);
     if (!fault.empty()) faults.push_back(fault);
   }
   if (arm.bodies().empty() || !arm.inertial_values()) return faults;
   for (int i = 0; i < arm.joints(); ++i) {
     double mass = 0.0;
-    for (const int k : arm.bodies()) {
-      if (arm.moves(k, i)) mass += (*arm.frames()[k].body->phi)[0];
+    for (const auto [k] : arm.bodies()) {
+      if (arm.moves({k}, {i})) mass += (*arm.frames()[k].body->phi)[0];
     }
     if (!(mass > 0.0))
       faults.push_back(fmt::format("'{}' moves no mass",

@@ -31,7 +31,7 @@ class Blocks {
     const std::vector<std::string> names = parameter_names(columns.parameters());
     for (int i = 0; i < joints; ++i) {
       std::vector<std::string> mine;
-      for (const int p : columns.parameters_of(i)) {
+      for (const int p : columns.parameters_of({i})) {
         if (!columns.parameters()[p].fixed)
           mine.push_back(names[p]);
       }
@@ -143,7 +143,7 @@ double samples_of(const RegressorColumns& columns, const PreprocessingOptions& o
     if (s.use[k] == 0) continue;
     if (std::lround((s.time[k] - s.start) / s.dt) % step != 0) continue;
     for (int i = 0; i < s.dq.cols(); ++i)
-      out += static_cast<double>(!columns.is_excluded(i, s.time[k] - s.start) &&
+      out += static_cast<double>(!columns.is_excluded({i}, s.time[k] - s.start) &&
                                  std::abs(s.dq(k, i)) >= options.min_speed);
   }
   return out;
@@ -265,7 +265,7 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
     // The quality check of a short recording has determined the period from the same positions.
     const auto seen = options.kept->known_quality(path, inspected_rows(arm, options));
     if (seen && seen->rows < identifying::kPeriodRows && seen->duration < identifying::numbers.period_time &&
-        seen->find("short_recording") == nullptr && seen->find("absurd_numbers") == nullptr)
+        seen->find(QualityKind::kShortRecording) == nullptr && seen->find(QualityKind::kAbsurdNumbers) == nullptr)
       return seen->period;
   }
   return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
@@ -342,7 +342,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
         const MovingSample moves =
             std::abs(s.dq(k, i)) > slow ? MovingSample::kYes : MovingSample::kNo;
         sums.add(i, p.measured(k, i), p.modelled(k, i), moves);
-        if (without_excluded != nullptr && !columns.is_excluded(i, s.time[k] - s.start))
+        if (without_excluded != nullptr && !columns.is_excluded({i}, s.time[k] - s.start))
           kept.add(i, p.measured(k, i), p.modelled(k, i), moves);
       }
       collector.add(s, p, k);

@@ -32,7 +32,7 @@ struct IdentificationNumbers {
   /// torque sensor.
   double below_any_sensor = 0.01;
   /// share of the range and of the speed < hardly_moves: the joint has to be recorded again.
-  double hardly_moves = kHardlyMoves;
+  double hardly_moves = kHardlyMovingShare;
   /// largest torque of each joint < no_torque [N m], [N]: no torque was recorded. No sensor resolves so little,
   /// and tolerances for rounding matter from 1e-16 on.
   double no_torque = 1e-12;

@@ -80,8 +80,8 @@ Model with_ball_priors(const Model& arm) {
 }
 
 bool has_prior(const Model& arm) {
-  return std::any_of(arm.bodies().begin(), arm.bodies().end(), [&arm](int frame) {
-    return arm.frames()[frame].body->prior.has_value();
+  return std::any_of(arm.bodies().begin(), arm.bodies().end(), [&arm](FrameIndex frame) {
+    return arm.frames()[frame.value].body->prior.has_value();
   });
 }
 

@@ -131,7 +131,7 @@ void absorb(const Model& arm, const CompressedRecording& recording, Preprocessin
   const RegressorColumns columns(arm, how);
   for (Eigen::Index k = 0; kind == Instruments::kRepeats && k < smooth.time.size(); ++k) {
     bool excluded = true;
-    for (int i = 0; i < arm.joints(); ++i) excluded = excluded && columns.is_excluded(i, smooth.time[k] - smooth.start);
+    for (int i = 0; i < arm.joints(); ++i) excluded = excluded && columns.is_excluded({i}, smooth.time[k] - smooth.start);
     if (excluded) smooth.use[k] = 0;
   }
   const size_t first = blocks.size();
@@ -239,7 +239,7 @@ struct AllMoments {
              const VectorRef& weights, const PreprocessingOptions& how, Instruments kind)
       : scale(VectorXd::Zero(base.size())), sum(base.size()) {
     const RegressorColumns columns(arm, how);
-    for (int i = 0; i < arm.joints(); ++i) joints.emplace_back(columns.parameters_of(i), base);
+    for (int i = 0; i < arm.joints(); ++i) joints.emplace_back(columns.parameters_of({i}), base);
     BlocksOfJoints factors;
     for (const CompressedRecording& recording : recordings) absorb(arm, recording, how, kind, base, joints, factors);
     for (size_t i = 0; i < joints.size(); ++i) {

@@ -57,7 +57,7 @@ std::string friction_remark(const Model& file, const Model& arm) {
   std::vector<std::string> rotors;
   for (const EffectTerm& term : arm.effects()) {
     if (is_rotor(term))
-      rotors.push_back(arm.coordinates()[main_coordinate(term.axis)].name);
+      rotors.push_back(arm.coordinates()[main_coordinate(term.axis).value].name);
   }
   std::string with;
   for (size_t k = 0; k < rotors.size(); ++k) with += (k > 0 ? ", " : "") + rotors[k];

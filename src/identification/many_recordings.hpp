@@ -80,7 +80,7 @@ Identification identify_at_rest(const Model& file, const std::vector<std::string
 bool is_factor_file(const std::string& path);
 
 /// Joints whose velocities were derived from the position when the factors were computed.
-std::vector<int> joints_with_derived_velocities(const FactorSet& factors);
+std::vector<JointIndex> joints_with_derived_velocities(const FactorSet& factors);
 
 /// identify() of recordings that were compressed earlier (`trained`, which come first) and of others.
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,

@@ -71,18 +71,18 @@ struct BodyPrior {
   bool drawn = true;  // false: the body is the rod
 };
 
-BodyPrior prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
+BodyPrior prior_of(const Model& arm, FrameIndex frame, const std::optional<Model>& prior) {
   const auto usable = [&](const std::optional<InertialParameters>& phi) {
     return phi && (*phi)[0] > 0.0 && body_fault("", *phi).empty();
   };
   if (prior) {
-    const int there = prior->find_frame(arm.frames()[frame].name);
-    const std::optional<Body> body = there >= 0 ? prior->frames()[there].body : std::nullopt;
+    const std::optional<FrameIndex> there = prior->find_frame(arm.frames()[frame.value].name);
+    const std::optional<Body> body = there ? prior->frames()[there->value].body : std::nullopt;
     if (body && usable(body->phi)) return {with_minimum_radius(*body->phi, kSmallestRadius)};
   }
-  const Body& own = *arm.frames()[frame].body;
+  const Body& own = *arm.frames()[frame.value].body;
   if (usable(own.prior)) return {with_minimum_radius(*own.prior, kSmallestRadius)};
-  return {rod_body(arm, frame), false};
+  return {rod_body(arm, frame.value), false};
 }
 
 bool are_all_possible(const VectorXd& phi) {
@@ -100,7 +100,7 @@ Model with_chosen(const Model& arm, const std::vector<Eigen::Index>& free, const
   for (size_t j = 0; j < free.size(); ++j) {
     const StandardParameter& p = parameters[free[j]];
     const double value = x[static_cast<Eigen::Index>(j)];
-    if (p.body) (*d.frames[arm.bodies()[*p.body]].body->phi)[p.component] = value;
+    if (p.body) (*d.frames[arm.bodies()[*p.body].value].body->phi)[p.component] = value;
     else if (value != p.value) d.effects[*p.effect].values[kRotorValue] = value;
   }
   return Model(std::move(d));
@@ -112,7 +112,7 @@ std::vector<Eigen::Index> free_columns(const Model& arm, RotorPlace rotors) {
   std::vector<Eigen::Index> out;
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   for (size_t p = 0; p < parameters.size(); ++p) {
-    bool free = parameters[p].body && !arm.frames()[arm.bodies()[*parameters[p].body]].body->fixed;
+    bool free = parameters[p].body && !arm.frames()[arm.bodies()[*parameters[p].body].value].body->fixed;
     if (parameters[p].effect && rotors == RotorPlace::kArmatures) {
       const EffectTerm& term = arm.effects()[*parameters[p].effect];
       free = term.effect == kRotorInertia && term.axis.coefficients.cwiseAbs().sum() == 1.0 &&
@@ -166,7 +166,7 @@ std::vector<PortableBody> portable_bodies(const Model& arm, const BaseParameters
                                     const VectorXd& before) {
   std::vector<PortableBody> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const Frame& frame = arm.frames()[arm.bodies()[b]];
+    const Frame& frame = arm.frames()[arm.bodies()[b].value];
     PortableBody body{frame.name, before[static_cast<Eigen::Index>(kBodyParameters * b)],
                       (*frame.body->phi)[0], {}};
     for (int c = 0; c < kBodyParameters; ++c) {
@@ -211,7 +211,7 @@ PortableModel portable_model(const Model& given, const std::optional<Model>& pri
   std::vector<InertialVector> priors;
   std::vector<bool> drawn;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (arm.frames()[arm.bodies()[b]].body->fixed) continue;
+    if (arm.frames()[arm.bodies()[b].value].body->fixed) continue;
     problem.body_columns.push_back(static_cast<int>(kBodyParameters * priors.size()));
     const BodyPrior own = prior_of(arm, arm.bodies()[b], prior);
     priors.push_back(own.phi);

@@ -26,7 +26,7 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
       first_of_effect_[*parameters_[p].effect] = static_cast<Eigen::Index>(p);
   }
   for (int i = 0; i < arm.joints(); ++i) {
-    std::vector<int> mine = bodies_.columns(i);
+    std::vector<int> mine = bodies_.columns({i});
     for (size_t p = 0; p < parameters_.size(); ++p) {
       if (!parameters_[p].effect) continue;
       const EffectTerm& term = arm.effects()[*parameters_[p].effect];
@@ -45,7 +45,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Segment& s, Joints joi
   std::vector<MatrixXd> Y(of_joint_.size());
   std::vector<Eigen::Index> at(Y.size());
   for (int i = joints.first; i < joints.end; ++i) {
-    at[i] = static_cast<Eigen::Index>(bodies_.columns(i).size());
+    at[i] = static_cast<Eigen::Index>(bodies_.columns({i}).size());
     Y[i].resize(rows, static_cast<Eigen::Index>(of_joint_[i].size()));
   }
   bodies_.evaluate(s.q, s.body_velocities(), s.ddq, joints.first, joints.end, Y);
@@ -148,7 +148,7 @@ void RegressorColumns::filter(MatrixXd& columns, double dt) const {
   ZeroPhaseFilter(options_.cutoff, options_.order, 1.0 / dt).apply(columns);
 }
 
-bool RegressorColumns::is_excluded(int joint, double time) const {
+bool RegressorColumns::is_excluded(JointIndex joint, double time) const {
   return std::any_of(options_.excluded_intervals.begin(), options_.excluded_intervals.end(), [&](const ExcludedInterval& part) {
     return (!part.joint || part.joint == joint) && time >= part.from && time <= part.to;
   });
@@ -162,7 +162,7 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Segment& s,
     // Decimates on the time grid, so that the result does not depend on where a segment starts.
     const long index = std::lround((s.time[k] - s.start) / s.dt);
     if (s.use[k] == 0 || index % step != 0) continue;
-    if (is_excluded(static_cast<int>(joint), s.time[k] - s.start)) continue;
+    if (is_excluded({static_cast<int>(joint)}, s.time[k] - s.start)) continue;
     if (std::abs(s.dq(k, joint)) >= options_.min_speed) kept.push_back(k);
   }
   return kept;
@@ -232,7 +232,7 @@ std::vector<JointRows> RegressorColumns::rows(const Segment& s, Joints joints) c
       of.time[k] = s.time[kept[k]] - s.start;
     }
     for (Eigen::Index k = 0; !options_.weights.empty() && k < rows; ++k) {
-      const double root = std::sqrt(options_.weights.begin()->second->at(i, of.time[k]));
+      const double root = std::sqrt(options_.weights.begin()->second->at({i}, of.time[k]));
       of.A.row(k) *= root;
       of.b[k] *= root;
     }

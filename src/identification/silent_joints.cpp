@@ -22,7 +22,7 @@ std::set<int> silent_joints(const std::vector<CompressedRecording>& recordings) 
 std::vector<ExcludedInterval> silent_rows(const std::vector<CompressedRecording>& recordings) {
   std::vector<ExcludedInterval> out;
   for (const CompressedRecording& r : recordings) {
-    for (const int j : silent_joints({r})) out.push_back({r.source, j, 0.0, r.facts.duration + r.facts.dt, "no torque"});
+    for (const int j : silent_joints({r})) out.push_back({r.source, JointIndex{j}, 0.0, r.facts.duration + r.facts.dt, "no torque"});
   }
   return out;
 }

@@ -391,7 +391,7 @@ Identification evaluate(const Model& arm, const Recordings& train, const Recordi
                         const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
-  const std::set<int> wrong = exclude_wrong_velocities(arm, named.train, named.test, named.how);
+  const std::set<JointIndex> wrong = exclude_wrong_velocities(arm, named.train, named.test, named.how);
   Identification id = evaluate_named(arm, named.train, named.test, named.how);
   for (std::string& remark : remarks_on(wrong, arm)) id.remarks.push_back(std::move(remark));
   drop_recordings(id);

@@ -50,16 +50,16 @@ VectorXd decrease_of_errors(const Identification& before, const Identification& 
       .cwiseMin(log_of_square(before.train_error.relative) - log_of_square(after.train_error.relative));
 }
 
-VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
+VelocityChoice choose_velocities(const Identification& before, std::set<JointIndex> candidates,
                                  double least,
-                                 const std::function<Identification(const std::set<int>&)>& refit) {
+                                 const std::function<Identification(const std::set<JointIndex>&)>& refit) {
   for (int round = 0; round < 2 && !candidates.empty(); ++round) {
     Identification derived = refit(candidates);
     if (!derived.model) break;
     const VectorXd gain = decrease_of_errors(before, derived);
-    std::set<int> better;
-    for (const int j : candidates) {
-      if (gain[j] > least) better.insert(j);
+    std::set<JointIndex> better;
+    for (const JointIndex j : candidates) {
+      if (gain[j.value] > least) better.insert(j);
     }
     if (better == candidates) return {std::move(better), std::move(derived)};
     candidates = std::move(better);
@@ -78,7 +78,7 @@ std::vector<RecordingQuality> quick_quality(const Model& arm,
   return seen;
 }
 
-void derive_velocities(const std::set<int>& joints, IdentificationOptions& how) {
+void derive_velocities(const std::set<JointIndex>& joints, IdentificationOptions& how) {
   how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
   if (how.test_preprocessing)
     how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
@@ -106,17 +106,17 @@ Identification with_chosen_velocities(
     for (std::string& remark : remarks_on(trust.wrong, arm)) derived.remarks.push_back(std::move(remark));
     return derived;
   }
-  std::set<int> doubted = trust.doubtful;
+  std::set<JointIndex> doubted = trust.doubtful;
   doubted.insert(trust.wrong.begin(), trust.wrong.end());
   for (const RecordingError& r : id.train)
     how.preprocessing.known_periods.emplace(r.source, r.period);
   VelocityChoice choice =
-      choose_velocities(id, doubted, identifying::numbers.velocity_gain, [&](const std::set<int>& joints) {
+      choose_velocities(id, doubted, identifying::numbers.velocity_gain, [&](const std::set<JointIndex>& joints) {
         derive_velocities(joints, how);
         return again(how);
       });
   if (!choice.fit) return id;
-  for (const int j : choice.better) {
+  for (const auto [j] : choice.better) {
     const std::string& name = arm.coordinates()[j].name;
     choice.fit->remarks.push_back(text("dq", j + 1, " (", name,
                                        ") predicts the torque worse than the derivative of q",
@@ -125,12 +125,12 @@ Identification with_chosen_velocities(
   return std::move(*choice.fit);
 }
 
-std::set<int> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
+std::set<JointIndex> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how) {
   std::vector<std::string> all = train;
   all.insert(all.end(), test.begin(), test.end());
-  const std::set<int> wrong = trust_in_velocities(arm, all, how).wrong;
+  const std::set<JointIndex> wrong = trust_in_velocities(arm, all, how).wrong;
   if (!wrong.empty()) derive_velocities(wrong, how);
   return wrong;
 }

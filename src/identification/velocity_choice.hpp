@@ -21,7 +21,7 @@ VectorXd decrease_of_errors(const Identification& before, const Identification& 
 
 /// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
 struct VelocityChoice {
-  std::set<int> better;
+  std::set<JointIndex> better;
   std::optional<Identification> fit;
 };
 
@@ -30,9 +30,9 @@ struct VelocityChoice {
 ///
 /// @param before  the fit without derived velocities.
 /// @param refit   computes the fit with derived velocities of these joints.
-VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
+VelocityChoice choose_velocities(const Identification& before, std::set<JointIndex> candidates,
                                  double least,
-                                 const std::function<Identification(const std::set<int>&)>& refit);
+                                 const std::function<Identification(const std::set<JointIndex>&)>& refit);
 
 /// The rows of a recording on which quick_quality() is based.
 RecordingOptions inspected_rows(const Model& arm, const PreprocessingOptions& how);
@@ -43,7 +43,7 @@ std::vector<RecordingQuality> quick_quality(const Model& arm, const std::vector<
                                         const PreprocessingOptions& how, int threads);
 
 /// Sets in the options that these joints' velocities are derived from the position, in training and held-out recordings.
-void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
+void derive_velocities(const std::set<JointIndex>& joints, IdentificationOptions& how);
 
 /// Assesses the velocities by the first rows of these recordings. Empty if the choice has been made: by a
 /// source of velocities, chosen joints or filtered signals in the options, or how.choose_velocities = false.
@@ -62,7 +62,7 @@ Identification with_chosen_velocities(
 /// Switches the joints whose velocities are wrong in any of these recordings (trust_in_velocities) to derived
 /// velocities, in `how`.
 /// @returns  these joints.
-std::set<int> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
+std::set<JointIndex> exclude_wrong_velocities(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);
 

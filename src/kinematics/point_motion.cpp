@@ -32,12 +32,12 @@ Mat3d turned(const Mat3d& R, double sine, double cosine) {
 
 }  // namespace
 
-PointMotion::PointMotion(const Tree& arm, int frame, const Vec3d& offset)
+PointMotion::PointMotion(const Tree& arm, FrameIndex frame, const Vec3d& offset)
     : tree_(arm),
-      T_link_point_(arm.frames[frame].T_link_body * Posed{identity3(), offset}),
+      T_link_point_(arm.frames[frame.value].T_link_body * Posed{identity3(), offset}),
       J_(MatrixXd::Zero(6, arm.joints)),
       dJ_(J_) {
-  for (int k = arm.frames[frame].link; k >= 0; k = arm.links[k].parent)
+  for (int k = arm.frames[frame.value].link; k >= 0; k = arm.links[k].parent)
     axes_.push_back({arm.links[k], {}, {}});
   std::reverse(axes_.begin(), axes_.end());
   for (std::vector<double>* v : {&angle_, &sine_, &cosine_}) v->assign(axes_.size() + Angles::kSize, 0.0);

@@ -77,7 +77,7 @@ Tree::Tree(const Model& arm, Keep keep)
     const Posed T = in_joint ? frame.B : identity_pose();
     frames[k] = {link_of_frame[k], is_identity(T), T, -1};
   }
-  for (const int k : arm.bodies()) {
+  for (const auto [k] : arm.bodies()) {
     const BodyPlace& at = frames[k];
     body_links.push_back(at.link);
     add_body(at.link, at.T_link_body);

@@ -52,11 +52,11 @@ Model with_fixed(const Model& arm, const std::map<std::string, double>& position
   std::vector<std::string> names;
   for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
   for (const auto& [name, value] : positions) {
-    const int i = arm.find_coordinate(name);
-    require(i >= 0, "found joint '", name, "'", did_you_mean(name, names), ", expected one of ",
+    const std::optional<JointIndex> i = arm.find_coordinate(name);
+    require(i.has_value(), "found joint '", name, "'", did_you_mean(name, names), ", expected one of ",
             arm.name(), ": ", listed(names), ".");
-    position[i] = value;
-    fixed[i] = 1;
+    position[i->value] = value;
+    fixed[i->value] = 1;
   }
   ModelDescription d = arm.description();
   std::vector<int> kept;
@@ -67,11 +67,11 @@ Model with_fixed(const Model& arm, const std::map<std::string, double>& position
     coordinates.push_back(d.coordinates[i]);
   }
   for (Coordinate& c : coordinates) {
-    std::map<int, double> crosstalk;
+    std::map<JointIndex, double> crosstalk;
     for (const auto& [from, share] : c.recorded.torque_crosstalk) {
-      require(fixed[from] == 0, "found joint '", names[from], "' fixed, expected it to move: the recorded torque of joint '",
+      require(fixed[from.value] == 0, "found joint '", names[from.value], "' fixed, expected it to move: the recorded torque of joint '",
               c.name, "' contains ", share, " times its torque.");
-      crosstalk[static_cast<int>(std::count(fixed.begin(), fixed.begin() + from, 0))] = share;
+      crosstalk[{static_cast<int>(std::count(fixed.begin(), fixed.begin() + from.value, 0))}] = share;
     }
     c.recorded.torque_crosstalk = std::move(crosstalk);
   }

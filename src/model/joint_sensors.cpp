@@ -19,7 +19,7 @@ std::vector<RecordedChannel> channels_of(const Model& arm) {
 }
 
 // Computes signal(t - delay) by linear interpolation; before the first row the signal equals its first value.
-VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
+VectorXd delayed(const VectorRef& signal, const VectorRef& time, double delay) {
   VectorXd out(signal.size());
   Eigen::Index k = 0;
   for (Eigen::Index row = 0; row < signal.size(); ++row) {
@@ -56,10 +56,10 @@ JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(st
     ideal_ = ideal_ && offset_[j] == 0.0 && gain_[j] == 1.0 && delay_[j] == 0.0 && alone;
     if (!alone && crosstalk_.size() == 0) crosstalk_ = MatrixXd::Identity(n, n);
     for (const auto& [from, share] : c.torque_crosstalk) {
-      require(from >= 0 && from < n && from != j && std::isfinite(share), "JointSensors: joint ", j + 1,
-              " has a torque crosstalk of ", share, " from joint ", from + 1,
+      require(from.value >= 0 && from.value < n && from.value != j && std::isfinite(share), "JointSensors: joint ", j + 1,
+              " has a torque crosstalk of ", share, " from joint ", from.value + 1,
               ", expected a finite number and another of the ", n, " joints.");
-      crosstalk_(j, from) = share;
+      crosstalk_(j, from.value) = share;
     }
   }
   // LU without pivoting, which is stable if the shares in each row sum to less than one.
@@ -97,16 +97,16 @@ void JointSensors::add_crosstalk(InPlace tau) const noexcept {
   }
 }
 
-VectorXd JointSensors::largest_true_torques(const VectorXd& largest) const {
+VectorXd JointSensors::largest_true_torques(const VectorRef& largest) const {
   const VectorXd alone = largest.cwiseQuotient(gain_);
   VectorXd ratio = VectorXd::Ones(joints());
   for (int i = 0; i < joints(); ++i) {
     double command = alone[i];
-    for (const auto& [from, share] : channels_[i].torque_crosstalk) command += std::abs(share) * alone[from];
+    for (const auto& [from, share] : channels_[i].torque_crosstalk) command += std::abs(share) * alone[from.value];
     const double allowed = command > 0.0 ? alone[i] / command : 1.0;
     ratio[i] = std::min(ratio[i], allowed);
     for (const auto& [from, share] : channels_[i].torque_crosstalk) {
-      if (share != 0.0) ratio[from] = std::min(ratio[from], allowed);
+      if (share != 0.0) ratio[from.value] = std::min(ratio[from.value], allowed);
     }
   }
   return alone.cwiseProduct(ratio);
@@ -122,7 +122,7 @@ void JointSensors::require_drive_gains(const Model& arm, const std::string& wher
   }
 }
 
-void JointSensors::add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const {
+void JointSensors::add_errors(const VectorRef& time, MatrixXd& q, MatrixXd& tau) const {
   q.rowwise() += offset_.transpose();
   for (Eigen::Index j = 0; j < tau.cols(); ++j) {
     if (delay_[j] > 0.0) tau.col(j) = delayed(tau.col(j), time, delay_[j]);
@@ -154,7 +154,7 @@ std::vector<std::string> JointSensors::descriptions(const Model& arm) const {
                     (e.torque_delay > 0.0 ? "late" : "early"));
     for (const auto& [from, share] : e.torque_crosstalk)
       out.push_back(torque + "mixed with " + digits(share, 6) + " times that of joint '" +
-                    arm.coordinates()[from].name + "'");
+                    arm.coordinates()[from.value].name + "'");
   }
   return out;
 }

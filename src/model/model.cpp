@@ -92,7 +92,7 @@ Model::Model(ModelDescription description) : description_(std::move(description)
       (frame.type == JointType::kPrismatic ? slides : turns)[i] = 1;
     }
     support_.push_back(std::move(support));
-    if (frame.body) bodies_.push_back(k);
+    if (frame.body) bodies_.push_back({k});
   }
   require(bodies_.size() <= kMostBodies, where, " has ", bodies_.size(), " bodies, expected at most ", kMostBodies, ".");
   for (int i = 0; i < n; ++i)
@@ -104,24 +104,24 @@ Model::Model(ModelDescription description) : description_(std::move(description)
   }
 }
 
-int Model::find_frame(const std::string& name) const {
+std::optional<FrameIndex> Model::find_frame(const std::string& name) const {
   for (size_t k = 0; k < description_.frames.size(); ++k) {
-    if (description_.frames[k].name == name) return static_cast<int>(k);
+    if (description_.frames[k].name == name) return FrameIndex{static_cast<int>(k)};
   }
-  return -1;
+  return std::nullopt;
 }
 
-int Model::find_coordinate(const std::string& name) const {
+std::optional<JointIndex> Model::find_coordinate(const std::string& name) const {
   for (int i = 0; i < joints(); ++i) {
-    if (description_.coordinates[i].name == name) return i;
+    if (description_.coordinates[i].name == name) return JointIndex{i};
   }
-  return -1;
+  return std::nullopt;
 }
 
 std::optional<VectorXd> Model::inertial_values() const {
   VectorXd phi(kBodyParameters * static_cast<int>(bodies_.size()));
   for (size_t b = 0; b < bodies_.size(); ++b) {
-    const Body& body = *description_.frames[bodies_[b]].body;
+    const Body& body = *description_.frames[bodies_[b].value].body;
     if (!body.phi) return std::nullopt;
     phi.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b)) = *body.phi;
   }
@@ -137,13 +137,13 @@ std::string position_unit(const Coordinate& coordinate) {
 }
 
 bool is_prismatic(const Model& arm, const Axis& axis) {
-  return arm.coordinates()[main_coordinate(axis)].prismatic;
+  return arm.coordinates()[main_coordinate(axis).value].prismatic;
 }
 
-int main_coordinate(const Axis& axis) {
+JointIndex main_coordinate(const Axis& axis) {
   Eigen::Index best = 0;
   axis.coefficients.cwiseAbs().maxCoeff(&best);
-  return static_cast<int>(best);
+  return {static_cast<int>(best)};
 }
 
 }  // namespace veridyn

@@ -167,10 +167,11 @@ PreparationKey preparation_key(const Model& arm, const std::string& recording,
   for (const Coordinate& c : arm.coordinates()) {
     const RecordedChannel& shown = c.recorded;
     numbers.insert(numbers.end(), {shown.position_offset, shown.torque_gain, shown.torque_delay, c.drive_gain});
-    for (const auto& [from, share] : shown.torque_crosstalk) numbers.insert(numbers.end(), {1.0 * from, share});
+    for (const auto& [from, share] : shown.torque_crosstalk) numbers.insert(numbers.end(), {1.0 * from.value, share});
     numbers.push_back(-1.0);  // separates the numbers of two joints
   }
-  std::vector<int> choices = o.derive_velocity_of;
+  std::vector<int> choices;
+  for (const JointIndex joint : o.derive_velocity_of) choices.push_back(joint.value);
   std::sort(choices.begin(), choices.end());
   choices.insert(choices.end(), {o.order, static_cast<int>(o.filtering), static_cast<int>(o.velocity),
                                  static_cast<int>(o.stale_rows)});

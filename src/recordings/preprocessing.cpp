@@ -75,10 +75,10 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
 // Removes the delays of recorded torques.
 void undo_delays(const JointSensors& sensors, double dt, MatrixXd& tau) {
   for (int j = 0; j < sensors.joints(); ++j) {
-    if (sensors.torque_delay(j) == 0.0) continue;
+    if (sensors.torque_delay({j}) == 0.0) continue;
     const VectorXd recorded = tau.col(j);
     for (Eigen::Index k = 0; k < tau.rows(); ++k)
-      tau(k, j) = sensors.torque_at(j, k, tau.rows(), dt, [&](Eigen::Index i) { return recorded[i]; });
+      tau(k, j) = sensors.torque_at({j}, k, tau.rows(), dt, [&](Eigen::Index i) { return recorded[i]; });
   }
 }
 
@@ -105,7 +105,7 @@ Segment make_segment(const Model& arm, const UniformStream& stream, Eigen::Index
   } else if (filter != nullptr) {
     filter->apply(s.dq);
   }
-  for (const int j : o.derive_velocity_of) {
+  for (const auto [j] : o.derive_velocity_of) {
     if (stream.has_velocity() && j < n) s.dq.col(j) = differentiate(s.q.col(j), s.dt);
   }
   s.ddq = differentiate(s.dq, s.dt);
@@ -226,10 +226,10 @@ PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
 
 }  // namespace
 
-double SampleWeights::at(int joint, double seconds) const {
+double SampleWeights::at(JointIndex joint, double seconds) const {
   constexpr double kSameInstant = 1e-6;  // [s]
   const auto next = std::lower_bound(time.begin(), time.end(), seconds - kSameInstant);
-  return next == time.end() ? 1.0 : of_joint(next - time.begin(), joint);
+  return next == time.end() ? 1.0 : of_joint(next - time.begin(), joint.value);
 }
 
 std::vector<WantedJoint> joints_of(const Model& arm) {

@@ -11,7 +11,7 @@ class BodyColumns final : public ColumnSource {
       : count_(kBodyParameters * static_cast<int>(arm.bodies().size())), batch_(arm) {}
 
   int count() const override { return count_; }
-  std::vector<int> columns(int joint) const override { return batch_.columns(joint); }
+  std::vector<int> columns(int joint) const override { return batch_.columns({joint}); }
   void evaluate(const MotionSamples& m, std::vector<MatrixXd>& Y) const override {
     batch_.evaluate(m.q, m.dq, m.ddq, Y);
   }

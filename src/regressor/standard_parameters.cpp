@@ -35,7 +35,7 @@ void append_channel_error(const Model& arm, const ChannelEffect& effect, int e,
 std::vector<StandardParameter> standard_parameters(const Model& arm) {
   std::vector<StandardParameter> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const Frame& frame = arm.frames()[arm.bodies()[b]];
+    const Frame& frame = arm.frames()[arm.bodies()[b].value];
     for (int c = 0; c < kBodyParameters; ++c) {
       StandardParameter p;
       p.name = std::string(inertial_symbol(c)) + "_" + frame.name;
@@ -88,7 +88,7 @@ Model with_values(const Model& arm, const VectorRef& values, const VectorRef& de
     return deviations.size() > 0 && std::isfinite(deviations[i]);
   };
   Eigen::Index at = 0;
-  for (const int k : arm.bodies()) {
+  for (const auto [k] : arm.bodies()) {
     Body& body = *d.frames[k].body;
     body.phi = values.segment<kBodyParameters>(at);
     body.std_phi.reset();

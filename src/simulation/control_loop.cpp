@@ -45,7 +45,7 @@ class Log {
   }
 
   // Ends the record before row `rows`; returns false.
-  bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, std::optional<int> joint) {
+  bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, std::optional<JointIndex> joint) {
     run_.status = status;
     run_.stopped_at = engine.time();
     run_.joint = joint;
@@ -187,19 +187,19 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
           o.start.size(), " joints, expected ", n, ".");
 }
 
-// The index of the joint that has run away, or -1.
-int runaway_joint(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
+// The joint that has run away, if any.
+std::optional<JointIndex> runaway_joint(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    if (std::abs(q[i] - wanted[i]) > kFar * range[i]) return static_cast<int>(i);
+    if (std::abs(q[i] - wanted[i]) > kFar * range[i]) return JointIndex{static_cast<int>(i)};
   }
-  return -1;
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::string EngineRun::stop_reason(const Model& arm) const {
   const std::string who =
-      joint ? "joint " + arm.coordinates()[*joint].name : "the arm";
+      joint ? "joint " + arm.coordinates()[joint->value].name : "the arm";
   return fmt::format("stopped at {:.6g} s: {} {}", stopped_at, who, describe(status));
 }
 
@@ -242,7 +242,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
       const VectorXd& motors = loop.torques(engine.q(), wanted, h);
       all = motors;
       for (const PerturbedArm::Contact& contact : options.contacts)
-        all[contact.coordinate] -= contact_effort(contact, time[k] - time[0] + u * whole);
+        all[contact.joint.value] -= contact_effort(contact, time[k] - time[0] + u * whole);
       if (p == 0 && !log.add_row(k, engine, motors, all)) return log.extract_run();
       if (last) break;
       const StepStatus status = engine.step(all, h);
@@ -250,8 +250,8 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
         log.stop(k + 1, status, engine);
         return log.extract_run();
       }
-      const int lost = runaway_joint(engine.q(), wanted.q, range);
-      if (lost < 0) continue;
+      const std::optional<JointIndex> lost = runaway_joint(engine.q(), wanted.q, range);
+      if (!lost) continue;
       log.stop(k + 1, StepStatus::kRanAway, engine, lost);
       return log.extract_run();
     }
@@ -259,7 +259,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
   return log.extract_run();
 }
 
-MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps) {
+MotionSamples joint_steps(const VectorRef& start, const VectorRef& steps) {
   require(start.size() > 0 && start.size() == steps.size(), "joint steps: found ", steps.size(),
           " steps, expected ", start.size(), ", one per joint.");
   const Eigen::Index n = start.size();

@@ -133,7 +133,7 @@ class Injector {
     auto v = filled(hidden, {{"from", 5.0}, {"to", 7.0}, {"effort", usual}});
     require(v["from"] < v["to"], "effect '", hidden.asked, "': found a contact from ", v["from"],
             " s to ", v["to"], " s, expected it to end after it begins.");
-    out_.contacts.push_back({cause.joint.value, v["from"], v["to"], v["effort"]});
+    out_.contacts.push_back({cause.joint, v["from"], v["to"], v["effort"]});
     add(hidden, cause.joint, std::move(v));
   }
 

@@ -36,7 +36,7 @@ VectorXd gains_in(const YamlNode& node, int joints) {
 
 }  // namespace
 
-VectorXd critical_damping(const Model& arm, const VectorXd& p) {
+VectorXd critical_damping(const Model& arm, const VectorRef& p) {
   return 2.0 * (p.array() * middle_inertia(arm).array()).max(0.0).sqrt();
 }
 

@@ -8,12 +8,12 @@ namespace veridyn {
 ReplayInput replay_input(const Model& arm, const std::string& recording, PreprocessingOptions how) {
   ReplayInput out;
   out.quality = check_recording(recording, recording_options_for(arm, how));
-  const std::set<int> wrong = trust_in_velocities({out.quality}).wrong;
+  const std::set<JointIndex> wrong = trust_in_velocities({out.quality}).wrong;
   how.derive_velocity_of.assign(wrong.begin(), wrong.end());
-  for (const int joint : wrong) {
+  for (const JointIndex joint : wrong) {
     const auto why = std::find_if(out.quality.findings.begin(), out.quality.findings.end(),
                                   [joint](const QualityFinding& f) {
-                                    return makes_velocity_wrong(f) && f.joint == joint + 1;
+                                    return makes_velocity_wrong(f) && f.joint == joint;
                                   });
     out.remarks.push_back(why->sentence + " The replay takes it from the position.");
   }

@@ -35,7 +35,7 @@ Point quintic(const Point& p0, const Point& p1, double h, double u) {
 
 }  // namespace
 
-MotionSamples motion_at(const MotionSamples& m, const VectorXd& times) {
+MotionSamples motion_at(const MotionSamples& m, const VectorRef& times) {
   const Eigen::Index n = m.joints();
   const Eigen::Index rows = times.size();
   MotionSamples out{times, MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n)};

@@ -53,7 +53,7 @@ SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wan
                          actual,    {}};
   for (const PerturbedArm::Contact& contact : plant.contacts) {
     for (Eigen::Index k = 0; k < wanted.rows(); ++k) {
-      out.actual_tau(k, contact.coordinate) +=
+      out.actual_tau(k, contact.joint.value) +=
           contact_effort(contact, wanted.time[k] - wanted.time[0]);
     }
   }

@@ -64,7 +64,7 @@ std::optional<VectorXd> KeptResults::find(int part) const {
   return found == all_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void KeptResults::keep(int part, const VectorXd& numbers) {
+void KeptResults::keep(int part, const VectorRef& numbers) {
   std::string line = std::to_string(part);
   for (const double number : numbers) line += fmt::format(" {}", number);
   const std::lock_guard<std::mutex> lock(writing_);

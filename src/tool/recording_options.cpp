@@ -153,20 +153,20 @@ void check_recordings(const Model& arm, const std::vector<std::string>& recordin
                         const PreprocessingOptions& how, int threads) {
   const std::vector<RecordingQuality> seen = quick_quality(arm, recordings, how, threads);
   report_facts(seen);
-  std::map<std::string, std::pair<std::string, int>> kinds;  // text of each kind of warning, and number of further
+  std::map<QualityKind, std::pair<std::string, int>> kinds;  // text of each kind of warning, and number of further
                                                              // ones
-  const auto in_all = [&](const std::string& finding) { return std::all_of(seen.begin(), seen.end(), [&](const RecordingQuality& q) { return q.find(finding) != nullptr; }); };
+  const auto in_all = [&](QualityKind kind) { return std::all_of(seen.begin(), seen.end(), [&](const RecordingQuality& q) { return q.find(kind) != nullptr; }); };
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
       // A recording with hardly any usable row is reported by its reader.
-      const bool dead_joint = f.finding == "zero_signal" && f.joint != 0;  // one joint of several
-      const bool no_number = f.joint != 0 && f.share == 1.0;
-      if (f.finding == "no_torque" || f.finding == "short_recording" || (f.finding == "zero_signal" && f.joint == 0)) {
+      const bool dead_joint = f.kind == QualityKind::kZeroSignal && f.joint;  // one joint of several
+      const bool no_number = f.joint && f.share == 1.0;
+      if (f.kind == QualityKind::kNoTorque || f.kind == QualityKind::kShortRecording || (f.kind == QualityKind::kZeroSignal && !f.joint)) {
         explain_refusal(quality.file, f.sentence);
         continue;
       }
-      if (f.finding == "degrees" || dead_joint || (f.finding == "move_as_one" && in_all(f.finding)) || (f.severity == Severity::kFault && (f.finding != "gaps" || no_number)))
-        ++kinds.emplace(f.finding, std::pair("warning: " + quality.file + ": " + f.sentence, -1)).first->second.second;
+      if (f.kind == QualityKind::kDegrees || dead_joint || (f.kind == QualityKind::kMoveAsOne && in_all(f.kind)) || (f.severity == Severity::kFault && (f.kind != QualityKind::kGaps || no_number)))
+        ++kinds.emplace(f.kind, std::pair("warning: " + quality.file + ": " + f.sentence, -1)).first->second.second;
     }
   }
   for (const auto& [kind, said] : kinds) {

@@ -32,7 +32,7 @@ struct Pool {
   int joints;
   Model arm = chain(joints);
   RigidBodyDynamics dynamics{arm, *arm.inertial_values()};
-  PointMotion tip{Tree(arm, Tree::Keep::kMovingLinks), joints - 1};
+  PointMotion tip{Tree(arm, Tree::Keep::kMovingLinks), {joints - 1}};
   VectorXd out = VectorXd::Zero(joints);
   MatrixXd matrix = MatrixXd::Zero(joints, joints);
   RigidBodyDynamics::TorqueDerivatives torque;

@@ -100,7 +100,7 @@ TEST_F(OwnRobot, UndeterminedInertiasStayNearThoseOfTheRobotFile) {
   ASSERT_TRUE(id.model.has_value());
   save(id, folder().path("near.yaml"));
   const Model model = read_model(folder().path("near.yaml"));
-  for (const int k : model.bodies()) {
+  for (const auto [k] : model.bodies()) {
     const Body& body = *model.frames()[k].body;
     const Body& drawn = *maker.frames()[k].body;
     ASSERT_TRUE(body.prior.has_value());
@@ -111,9 +111,9 @@ TEST_F(OwnRobot, UndeterminedInertiasStayNearThoseOfTheRobotFile) {
   const std::string urdf = folder().path("out.urdf");
   ASSERT_EQ(run_tool({"export", folder().path("near.yaml"), "--urdf", urdf, "--quiet"}).status, 0);
   const Model exported = read_model(urdf);
-  for (const int k : maker.bodies()) {
+  for (const auto [k] : maker.bodies()) {
     const Frame& drawn = maker.frames()[k];
-    const Frame& out = exported.frames()[exported.find_frame(drawn.name)];
+    const Frame& out = exported.frames()[exported.find_frame(drawn.name)->value];
     EXPECT_NEAR((*out.body->phi)[0], (*drawn.body->phi)[0], 0.2 * (*drawn.body->phi)[0]) << drawn.name;
   }
 }

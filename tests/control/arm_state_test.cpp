@@ -19,7 +19,7 @@ INSTANTIATE_TEST_SUITE_P(Sample, ArmStateOnEverySampleArm, testing::ValuesIn(sam
                          sample_arm_name);
 
 TEST_P(ArmStateOnEverySampleArm, TipKinematicsEqualThePoseAndJacobianOfTheFrame) {
-  const int frame = static_cast<int>(arm().frames().size()) - 1;
+  const FrameIndex frame{static_cast<int>(arm().frames().size()) - 1};
   TipKinematics tip(arm(), {last_frame(arm())});
   for (const State& s : test_states(joints(), 101)) {
     tip.update(s.q, s.dq);
@@ -35,7 +35,7 @@ TEST_P(ArmStateOnEverySampleArm, TipKinematicsEqualThePoseAndJacobianOfTheFrame)
 // An offset in the frame: position from the pose, Jacobian and rate by central differences of it.
 TEST_P(ArmStateOnEverySampleArm, AnOffsetTipMovesAsAPointOfTheFrame) {
   const Eigen::Vector3d offset(0.1, -0.2, 0.3);
-  const int frame = static_cast<int>(arm().frames().size()) - 1;
+  const FrameIndex frame{static_cast<int>(arm().frames().size()) - 1};
   TipKinematics tip(arm(), {last_frame(arm()), offset});
   const State s = test_states(joints(), 102).back();
   tip.update(s.q, s.dq);

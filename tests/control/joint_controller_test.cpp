@@ -26,7 +26,7 @@ Model with_sensor_errors(const Model& arm) {
   ModelDescription d = arm.description();
   d.coordinates[0].recorded.position_offset = 0.02;
   d.coordinates[1].recorded.torque_gain = 1.2;
-  d.coordinates[2].recorded.torque_crosstalk = {{0, 0.1}};
+  d.coordinates[2].recorded.torque_crosstalk = {{{0}, 0.1}};
   return Model(std::move(d));
 }
 

@@ -24,7 +24,7 @@ TEST(KinematicsTable, InverseInvertsForwardKinematics) {
     const KinematicTable back = inverse_kinematics(arm, frame, task);
     int reached = 0;
     for (const KinematicRow& row : back.rows) {
-      if (row.status != "reached") continue;
+      if (row.status != ReachStatus::kReached) continue;
       ++reached;
       EXPECT_LT(row.position_error, 1e-6);
       EXPECT_LT(row.angle_error, 1e-6);

@@ -48,23 +48,23 @@ class Supervised {
 
 struct Wrong {
   SafetyFault fault;
-  std::optional<int> joint;
+  std::optional<JointIndex> joint;
   SafetyAction action;
   void (*make)(Supervised&);
 };
 
 const Wrong kWrongs[] = {
-    {SafetyFault::kNotFinite, 1, SafetyAction::kFreeze, [](Supervised& s) { s.q_[1] = NAN; }},
-    {SafetyFault::kNotFinite, 2, SafetyAction::kFreeze, [](Supervised& s) { s.dq_[2] = INFINITY; }},
+    {SafetyFault::kNotFinite, {{1}}, SafetyAction::kFreeze, [](Supervised& s) { s.q_[1] = NAN; }},
+    {SafetyFault::kNotFinite, {{2}}, SafetyAction::kFreeze, [](Supervised& s) { s.dq_[2] = INFINITY; }},
     {SafetyFault::kNotFinite, {}, SafetyAction::kFreeze, [](Supervised& s) { s.input_.dt = NAN; }},
     {SafetyFault::kNotFinite, {}, SafetyAction::kFreeze,
      [](Supervised& s) { s.input_.sensor_age = NAN; }},
     {SafetyFault::kSensorAge, {}, SafetyAction::kFreeze,
      [](Supervised& s) { s.input_.sensor_age = 0.004; }},
-    {SafetyFault::kEncoderJump, 0, SafetyAction::kFreeze, [](Supervised& s) { s.q_[0] += 0.05; }},
-    {SafetyFault::kController, 1, SafetyAction::kHold, [](Supervised& s) { s.tau_[1] = NAN; }},
+    {SafetyFault::kEncoderJump, {{0}}, SafetyAction::kFreeze, [](Supervised& s) { s.q_[0] += 0.05; }},
+    {SafetyFault::kController, {{1}}, SafetyAction::kHold, [](Supervised& s) { s.tau_[1] = NAN; }},
     {SafetyFault::kOverrun, {}, SafetyAction::kHold, [](Supervised& s) { s.input_.dt = 0.02; }},
-    {SafetyFault::kPosition, 2, SafetyAction::kHold,
+    {SafetyFault::kPosition, {{2}}, SafetyAction::kHold,
      [](Supervised& s) {
        // Still inside, but it could not stop before the limit at 0.24 m.
        for (; s.q_[2] < 0.2355; s.q_[2] += 5e-4) {
@@ -74,10 +74,10 @@ const Wrong kWrongs[] = {
        s.input_.q_wanted = s.q_;
        s.dq_[2] = 0.2;
      }},
-    {SafetyFault::kVelocity, 0, SafetyAction::kHold, [](Supervised& s) { s.dq_[0] = 2.1; }},
-    {SafetyFault::kTracking, 1, SafetyAction::kHold,
+    {SafetyFault::kVelocity, {{0}}, SafetyAction::kHold, [](Supervised& s) { s.dq_[0] = 2.1; }},
+    {SafetyFault::kTracking, {{1}}, SafetyAction::kHold,
      [](Supervised& s) { s.input_.q_wanted[1] += 0.1; }},
-    {SafetyFault::kTorque, 2, SafetyAction::kHold,
+    {SafetyFault::kTorque, {{2}}, SafetyAction::kHold,
      [](Supervised& s) {
        s.tau_[2] = 1.5 * kTorque;
        for (int k = 0; k < 199; ++k) s.run();
@@ -356,7 +356,7 @@ TEST(SafetySupervisor, ARunawayArmAfterAFaultIsSwitchedOffAtOnce) {
   s.dq_[0] = 3.1;
   EXPECT_EQ(s.run().norm(), 0.0);
   EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotHeld);
-  EXPECT_EQ(s.safety_.joint(), 0);
+  EXPECT_EQ(s.safety_.joint(), JointIndex{0});
 }
 
 TEST(SafetySupervisor, ALaterFaultChangesTheActionOnlyToAStrongerOne) {

@@ -182,7 +182,7 @@ TEST(InverseKinematics, FindsThePoseOfRandomJointsFromNearby) {
     options.rows = arm.joints() >= 6 ? TaskRows::kPose : TaskRows::kPosition;
     options.inverse.threshold = 0.01;
     InverseKinematics inverse(arm, {last_frame(arm)}, options);
-    const int frame = static_cast<int>(arm.frames().size()) - 1;
+    const FrameIndex frame{static_cast<int>(arm.frames().size()) - 1};
     Random random(17);
     int found = 0;
     for (int k = 0; k < 20; ++k) {
@@ -204,7 +204,7 @@ TEST(InverseKinematics, FindsThePoseOfRandomJointsFromNearby) {
 
 TEST(InverseKinematics, JointLimitsHoldAtReachablePositions) {
   const Model arm = with_limits(sample_arms().at("serial_RRPRRPR"), 0.6);
-  const int frame = static_cast<int>(arm.frames().size()) - 1;
+  const FrameIndex frame{static_cast<int>(arm.frames().size()) - 1};
   InverseKinematics inverse(arm, {last_frame(arm)});
   Random random(19);
   int found = 0;

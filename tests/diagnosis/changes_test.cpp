@@ -67,7 +67,7 @@ TEST_F(Changes, MomentsVisibleOnlyUnderALeanAreNoLoad) {
   const Model leaning(with_gravity(truth_, {0.25, -0.15, -9.8}));
   ModelDescription upright = with_gravity(truth_, {0.0, 0.0, -9.81});
   truth_ = Model(upright);
-  Frame& first = upright.frames[static_cast<std::size_t>(truth_.bodies().front())];
+  Frame& first = upright.frames[truth_.bodies().front().value];
   first.body->phi->segment<3>(1) *= 0.3;
   const Model model = model_of(upright);
   truth_ = leaning;
@@ -81,7 +81,7 @@ TEST_F(Changes, ALeaningBaseIsAllThatARobotFileLacks) {
   const Model leaning(with_gravity(truth_, {2.0, -1.2, -9.5}));
   ModelDescription upright = with_gravity(truth_, {0.0, 0.0, -9.81});
   upright.values = RobotValues::kPrior;
-  Frame& first = upright.frames[static_cast<std::size_t>(truth_.bodies().front())];
+  Frame& first = upright.frames[truth_.bodies().front().value];
   first.body->phi->segment<3>(1) *= -1.0;
   ASSERT_GT(base_parameters(leaning).size(), base_parameters(Model(upright)).size());
   truth_ = leaning;

@@ -82,7 +82,7 @@ TEST_F(ErrorsInVariables, NoiseInVelocitiesIsReportedWithTheBetterEstimate) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const std::vector<QualityFinding> told = found(seed, 0.2, 0.1);
     ASSERT_EQ(told.size(), 1U) << seed;
-    EXPECT_EQ(told[0].finding, "errors_in_variables");
+    EXPECT_EQ(told[0].kind, QualityKind::kErrorsInVariables);
     EXPECT_EQ(told[0].severity, Severity::kWarning);
     EXPECT_DOUBLE_EQ(told[0].share, told[0].value / base.size());
     int seen = 0;

@@ -13,10 +13,10 @@
 namespace veridyn {
 namespace {
 
-const QualityFinding* quality(const Diagnosis& d, const std::string& name) {
+const QualityFinding* quality(const Diagnosis& d, QualityKind kind) {
   for (const RecordingQuality& q : d.data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (f.finding == name) return &f;
+      if (f.kind == kind) return &f;
     }
   }
   return nullptr;
@@ -37,10 +37,10 @@ TEST_F(TwoJointArm, ATorqueWithTheWrongSignIsAFault) {
     check_quality(x);
     ASSERT_TRUE(fit_baseline(x));
     check_torque_signs(x);
-    const QualityFinding* found = quality(x.d, "torque_sign");
+    const QualityFinding* found = quality(x.d, QualityKind::kTorqueSign);
     ASSERT_EQ(found != nullptr, sign < 0.0);
     if (found == nullptr) continue;
-    EXPECT_EQ(found->joint, 2);
+    EXPECT_EQ(found->joint, JointIndex{1});
     EXPECT_EQ(found->severity, Severity::kFault);
     if (deviations != 0.0) {
       EXPECT_NEAR(found->value, deviations, 1e-3 * std::abs(deviations));
@@ -65,7 +65,7 @@ TEST_F(TwoJointArm, ALittleNegativeFrictionIsNoWrongSign) {
     check_quality(x);
     ASSERT_TRUE(fit_baseline(x));
     check_torque_signs(x);
-    EXPECT_EQ(quality(x.d, "torque_sign") != nullptr, share > 0.1) << share;
+    EXPECT_EQ(quality(x.d, QualityKind::kTorqueSign) != nullptr, share > 0.1) << share;
   }
 }
 
@@ -86,7 +86,7 @@ TEST_F(TwoJointArm, ExchangedTorquesAreNamedFirstAndExchangedBack) {
       write_recording(r, name);
     }
     const Diagnosis d = diagnose(truth_, x.train, x.test, x.options);
-    EXPECT_EQ(quality(d, "swapped_joints") != nullptr, exchanged);
+    EXPECT_EQ(quality(d, QualityKind::kSwappedJoints) != nullptr, exchanged);
     EXPECT_EQ(d.verdict().rfind("The torques of joint 1 (shoulder) and joint 2 (elbow) are swapped", 0) == 0, exchanged) << d.verdict();
     EXPECT_EQ(d.verdict().find("With that: ") != std::string::npos, exchanged) << d.verdict();
     EXPECT_EQ(d.mended, exchanged);

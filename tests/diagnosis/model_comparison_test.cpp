@@ -72,7 +72,7 @@ const ModelDifference& named(const std::vector<ModelDifference>& all, const std:
 const ModelDifference& quantity(const std::vector<ModelDifference>& all, const std::string& which,
                                 JointIndex joint) {
   for (const ModelDifference& d : all) {
-    if (d.quantity == which && d.joint == joint) return d;
+    if (name_of(d.quantity) == which && d.joint == joint) return d;
   }
   ADD_FAILURE() << "no " << which << " of joint " << joint.value + 1;
   return all.front();
@@ -129,7 +129,7 @@ TEST(TheComparison, ReportsNoFrictionDifferenceIfOnlyOneModelHasFriction) {
   for (const ModelComparison& c : {compare(before, after), compare(after, before)}) {
     EXPECT_FALSE(c.structure.empty());
     EXPECT_FALSE(c.joints.empty());
-    for (const ModelDifference& one : c.joints) EXPECT_NE(one.quantity, "friction") << one.sentence;
+    for (const ModelDifference& one : c.joints) EXPECT_NE(one.quantity, ComparedQuantity::kFriction) << one.sentence;
   }
   EXPECT_NO_FATAL_FAILURE(quantity(compare(before, before).joints, "friction", JointIndex{0}));
 }
@@ -277,7 +277,7 @@ TEST(TheComparison, GivesFrictionWeightAndInertiaOfTheJoints) {
     ++rows;
   }
   EXPECT_NEAR(quantity(c.joints, "weight", {1}).difference, weight / rows, 1e-6);
-  for (const ModelDifference& d : c.joints) EXPECT_NE(d.quantity, "offset") << d.sentence;
+  for (const ModelDifference& d : c.joints) EXPECT_NE(d.quantity, ComparedQuantity::kOffset) << d.sentence;
 }
 
 // A step of friction differs by its level at every instant.
@@ -325,7 +325,7 @@ TEST(TheComparison, ComparesCommonParametersIfOneModelHasAnotherEffect) {
   const ModelComparison c =
       compare(with_statistics(planar(), 0.01, 8, 1), with_statistics(Model(d), 0.01, 8, 2));
   ASSERT_EQ(c.structure.size(), 1U);
-  EXPECT_EQ(c.structure[0].kind, "effect");
+  EXPECT_EQ(c.structure[0].kind, StructureKind::kEffect);
   EXPECT_NE(c.structure[0].sentence.find("only the model after has torque_offset(shoulder)"),
             std::string::npos)
       << c.structure[0].sentence;
@@ -390,7 +390,7 @@ TEST(TheComparison, ComparesAnArmWithTheSameArmUnderALoad) {
   for (const bool turned : {false, true}) {
     const ModelComparison c = turned ? compare(loaded, plain) : compare(plain, loaded);
     ASSERT_EQ(c.structure.size(), 1U);
-    EXPECT_EQ(c.structure[0].kind, "body");
+    EXPECT_EQ(c.structure[0].kind, StructureKind::kBody);
     EXPECT_NE(c.structure[0].sentence.find(turned ? "only the model before has the body load (0.8 kg)" : "only the model after has the body load (0.8 kg)"),
               std::string::npos)
         << c.structure[0].sentence;
@@ -432,7 +432,7 @@ TEST(TheComparison, ComparesNoMassesIfFramesAreElsewhere) {
   const ModelComparison c = compare(with_statistics(planar(), 0.01, 8, 1),
                                     with_statistics(read_model("planar-2r", other), 0.01, 8, 2));
   ASSERT_FALSE(c.structure.empty());
-  EXPECT_EQ(c.structure[0].kind, "geometry");
+  EXPECT_EQ(c.structure[0].kind, StructureKind::kGeometry);
   EXPECT_NE(c.structure[0].sentence.find("constant l1 is 0.5 before and 0.6 after"),
             std::string::npos);
   for (const ModelDifference& d : c.parameters) EXPECT_FALSE(d.effect.empty()) << d.name;

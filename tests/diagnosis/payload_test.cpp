@@ -40,7 +40,7 @@ Model with_point(const Model& arm, const std::string& on, double mass, const Eig
   ModelDescription d = arm.description();
   Frame load;
   load.name = "point";
-  load.parent = FrameIndex{arm.find_frame(on)};
+  load.parent = arm.find_frame(on);
   load.variable.coefficients = VectorXd::Zero(arm.joints());
   load.body = Body{};
   load.body->phi = inertial_parameters(mass, com, Eigen::Matrix<double, 6, 1>::Zero());
@@ -174,7 +174,7 @@ TEST_F(Payload, AnUndeterminedHeightHasTheIntervalOfTheReach) {
 TEST_F(Payload, AHeightBelowTheNoiseIsZero) {
   const Model upright = plausible_model(read_model("scara"), 4).arm;
   for (const double lean : {1e-6, 1e-5, 1e-4}) {
-    const FrameConstant alpha{FrameIndex{upright.find_frame("inner")}, FrameNumber::kAlpha, {}};
+    const FrameConstant alpha{*upright.find_frame("inner"), FrameNumber::kAlpha, {}};
     arm_ = with_constant(upright, alpha, value_in(upright, alpha) + lean);
     const std::string frame = arm_.frames().back().name;
     for (const unsigned seed : {3U, 4U, 5U}) {
@@ -196,7 +196,7 @@ TEST_F(Payload, ALoadTakenOffIsNegative) {
   ModelDescription d = bare.description();
   Frame tool;
   tool.name = "screwdriver";
-  tool.parent = FrameIndex{bare.find_frame(last)};
+  tool.parent = bare.find_frame(last);
   tool.variable.coefficients = VectorXd::Zero(bare.joints());
   tool.body = Body{};
   tool.body->phi = inertial_parameters(0.5, {0.0, 0.0, 0.05}, Eigen::Matrix<double, 6, 1>::Zero());
@@ -333,7 +333,7 @@ TEST_F(Payload, OnAGivenLinkTheJointsBeyondItThatStayUnexplainedAreNamed) {
     return find_payload(model, {path}, {}, link).report().find("acts on joints whose torque the model does not explain") != std::string::npos;
   };
   int elbow = 0;
-  while (!(arm_.moves(elbow, 1) && !arm_.moves(elbow, 2))) ++elbow;  // a frame that the third joint does not move
+  while (!(arm_.moves({elbow}, {1}) && !arm_.moves({elbow}, {2}))) ++elbow;  // a frame that the third joint does not move
   EXPECT_TRUE(says(arm_.frames()[elbow].name));
   EXPECT_FALSE(says(last));
 }

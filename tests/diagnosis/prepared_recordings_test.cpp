@@ -27,12 +27,12 @@ class OfRecordings : public TwoJointArm {
   }
 
   static std::vector<QualityFinding> told(const DiagnosisState& x, const std::string& path,
-                                          const std::string& name) {
+                                          QualityKind kind) {
     std::vector<QualityFinding> out;
     for (const RecordingQuality& q : x.d.data_quality) {
       if (q.file != path) continue;
       for (const QualityFinding& f : q.findings) {
-        if (f.finding == name) out.push_back(f);
+        if (f.kind == kind) out.push_back(f);
       }
     }
     return out;
@@ -44,9 +44,9 @@ TEST_F(OfRecordings, AVelocityOfAnotherScaleIsTakenFromThePosition) {
   for (const std::string& path : x.train) rewrite(path, [](Recording& r) { r.dq.col(1) *= 0.5; });
   x.options.identification.test_preprocessing = x.options.identification.preprocessing;
   check_quality(x);
-  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, std::vector<int>{1});
-  EXPECT_EQ(x.options.identification.test_preprocessing->derive_velocity_of, std::vector<int>{1});
-  const std::vector<QualityFinding> found = told(x, x.train[0], "velocity_scale");
+  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{1}}));
+  EXPECT_EQ(x.options.identification.test_preprocessing->derive_velocity_of, (std::vector<JointIndex>{{1}}));
+  const std::vector<QualityFinding> found = told(x, x.train[0], QualityKind::kVelocityScale);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NE(found[0].sentence.find("taken from its position"), std::string::npos);
   ASSERT_TRUE(fit_baseline(x));
@@ -76,9 +76,9 @@ TEST_F(OfRecordings, AVelocityIsReplacedOnlyIfThatLowersTheErrorOfItsJoint) {
     });
   }
   check_quality(x);
-  EXPECT_EQ(told(x, x.train[0], "velocity_noise").size(), 2U);
+  EXPECT_EQ(told(x, x.train[0], QualityKind::kVelocityNoise).size(), 2U);
   ASSERT_TRUE(fit_baseline(x));
-  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, std::vector<int>{1});
+  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{1}}));
   ASSERT_EQ(x.remarks.size(), 1U);
   EXPECT_NE(x.remarks[0].find("joint 2"), std::string::npos) << x.remarks[0];
 }

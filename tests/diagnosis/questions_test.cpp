@@ -21,7 +21,7 @@ TEST(Candidates, FramesThatAreFixedToEachOtherAreOneLink) {
     for (size_t b = 0; b < a; ++b) EXPECT_FALSE(same_link(arm, frames[a], frames[b]));
   }
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const bool moves = arm.moves(k, 0) || arm.moves(k, 1) || arm.moves(k, 2);
+    const bool moves = arm.moves({k}, {0}) || arm.moves({k}, {1}) || arm.moves({k}, {2});
     EXPECT_EQ(std::count_if(frames.begin(), frames.end(),
                             [&](FrameIndex other) { return moves && same_link(arm, {k}, other); }),
               moves ? 1 : 0);

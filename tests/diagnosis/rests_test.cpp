@@ -105,7 +105,7 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
     exclude_rests(x);
     return x.d.moving_as_one;
   };
-  EXPECT_EQ(second_follows(-0.5), (std::vector<std::vector<int>>{{0, 1}}));
+  EXPECT_EQ(second_follows(-0.5), (std::vector<std::vector<JointIndex>>{{{0}, {1}}}));
   EXPECT_TRUE(second_follows(1e-3).empty());
 }
 
@@ -113,7 +113,7 @@ TEST_F(AtTheEnds, JointsWithCollinearPositionsMoveAsOne) {
 TEST_F(AtTheEnds, NoCauseIsTestedOnJointsThatMoveAsOne) {
   DiagnosisState x = resting(0.0, 0.0);
   EXPECT_TRUE(can_attribute_errors(x));
-  x.d.moving_as_one = {{0, 1}};
+  x.d.moving_as_one = {{{0}, {1}}};
   x.d.changes = true;
   EXPECT_TRUE(can_attribute_errors(x));
   x.d.changes = false;
@@ -127,12 +127,12 @@ TEST_F(AtTheEnds, NoCauseIsTestedIfTheTorquesBelongToAnotherMotion) {
   x.d.data_quality.emplace_back();
   x.d.data_quality[0].file = x.train[0];
   QualityFinding f;
-  f.finding = "unexplained";
+  f.kind = QualityKind::kUnexplained;
   f.severity = Severity::kFault;
-  f.joint = 1;  // one joint that nothing drives
+  f.joint = JointIndex{1};  // one joint that nothing drives
   x.d.data_quality[0].findings = {f};
   EXPECT_TRUE(can_attribute_errors(x));
-  x.d.data_quality[0].findings[0].joint = 0;
+  x.d.data_quality[0].findings[0].joint.reset();
   EXPECT_FALSE(can_attribute_errors(x));
   EXPECT_NE(x.d.verdict().find("cannot tell: the torques do not follow from the motion"), std::string::npos) << x.d.verdict();
 }

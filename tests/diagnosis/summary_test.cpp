@@ -113,7 +113,7 @@ TEST(Summary, TheVerdictNamesJointsWithALargerError) {
   d.findings[0].phrase = "a gap";
   d.findings[0].status = FindingStatus::kNotConfirmed;
   summarize(d, {});
-  ASSERT_EQ(d.summary.worse_joints, std::vector<int>{2});
+  ASSERT_EQ(d.summary.worse_joints, (std::vector<JointIndex>{{1}}));
   EXPECT_NE(d.verdict().find("worse on joint 2"), std::string::npos) << d.verdict();
   EXPECT_NE(d.verdict().find("do not confirm"), std::string::npos) << d.verdict();
   d.findings.clear();

@@ -39,7 +39,7 @@ TEST(TorqueCrosstalk, TakesThePlaceOfTheCurveOverTheOtherTorque) {
   EXPECT_EQ(f.status, FindingStatus::kConfirmed);
   EXPECT_NEAR(f.parameters[0].value, 0.15, 0.01);
   EXPECT_NE(f.phrase.find("of joint 'shoulder'"), std::string::npos) << f.phrase;
-  EXPECT_NEAR(d.extended.model->coordinates()[1].recorded.torque_crosstalk.at(0), 0.15, 0.01);
+  EXPECT_NEAR(d.extended.model->coordinates()[1].recorded.torque_crosstalk.at({0}), 0.15, 0.01);
   EXPECT_TRUE(d.extended.model->coordinates()[0].recorded.torque_crosstalk.empty());
 }
 
@@ -105,7 +105,7 @@ TEST(ATorqueAtItsLimit, IsLeftOutAndBiasesNothing) {
   const Diagnosis d = diagnosed_between_limits(0.7);
   EXPECT_TRUE(report_contains(d, "stands at its limit")) << d.report();
   EXPECT_TRUE(d.findings.empty()) << d.report();
-  for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_EQ(part.joint, 1);
+  for (const ExcludedInterval& part : d.excluded_intervals) EXPECT_EQ(part.joint, JointIndex{1});
   const double recorded = d.baseline.test_error.relative[1];
   const double counted = d.baseline.test_without_excluded.relative[1];
   EXPECT_GT(recorded, 5.0 * counted);

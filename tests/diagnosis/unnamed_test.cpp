@@ -8,7 +8,7 @@
 #include "diagnosis/search/shape_words.hpp"
 #include "diagnosis/search/tables.hpp"
 #include "diagnosis/search/vibration.hpp"
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 #include "simulation/simulation_support.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -246,16 +246,16 @@ TEST(Unnamed, AFrequencyOfTheMotionIsNoVibration) {
 }
 
 // The same arm in which joints 1 and 3 follow one sine, 2 another one.
-TEST(CorrelatedColumns, FindsCollinearColumns) {
+TEST(CorrelatedJoints, FindsCollinearPositions) {
   MatrixXd q(500, 4);
   for (int k = 0; k < 500; ++k) {
     const double t = 0.02 * k;
     q.row(k) << std::sin(t), std::sin(1.3 * t), 0.2 - 0.5 * std::sin(t), 0.0;
   }
-  const auto groups = correlated_columns(q);
+  const auto groups = correlated_joints(q);
   ASSERT_EQ(groups.size(), 1u);
-  EXPECT_EQ(groups[0], (std::vector<int>{0, 2}));
-  EXPECT_EQ(numbers_from_one({0, 2, 3}), "1, 3 and 4");
+  EXPECT_EQ(groups[0], (std::vector<JointIndex>{{0}, {2}}));
+  EXPECT_EQ(numbers_from_one({{0}, {2}, {3}}), "1, 3 and 4");
 }
 
 }  // namespace

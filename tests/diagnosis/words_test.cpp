@@ -160,7 +160,7 @@ TEST(DiagnosisReport, NamesTheLimitsOfTheRecordings) {
   Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
   EXPECT_EQ(d.report().find("provisional"), std::string::npos);
   d.provisional = true;
-  d.moving_as_one = {{0, 1}};
+  d.moving_as_one = {{{0}, {1}}};
   d.remarks = {"a word"};
   d.changes = true;
   RecordingQuality quality;
@@ -181,17 +181,17 @@ TEST(DiagnosisReport, NamesTheLimitsOfTheRecordings) {
 
 // What is wrong with the recordings whatever the arm is precedes causes, which it may imitate.
 TEST(DiagnosisReport, BeginsWithAWrongClockAndWithACopiedColumn) {
-  for (const char* name : {"rate_contradiction", "same_column", "sample_rate"}) {
+  for (const QualityKind kind : {QualityKind::kRateContradiction, QualityKind::kSameColumn, QualityKind::kSampleRate}) {
     Diagnosis d = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}});
     QualityFinding fault;
-    fault.finding = name;
+    fault.kind = kind;
     fault.sentence = "a fault.";
     fault.severity = Severity::kFault;
     d.data_quality = {RecordingQuality{}};
     d.data_quality[0].findings = {fault};
     d.data_quality.push_back(d.data_quality[0]);
     d.data_quality[1].findings[0].sentence = "the same with another number.";
-    EXPECT_EQ(d.verdict().find("a fault. As recorded: ") == 0, std::string(name) != "sample_rate") << d.verdict();
+    EXPECT_EQ(d.verdict().find("a fault. As recorded: ") == 0, kind != QualityKind::kSampleRate) << d.verdict();
   }
 }
 

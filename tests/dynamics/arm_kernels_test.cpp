@@ -166,8 +166,8 @@ TEST_P(OnEveryArm, TheRegressorWritesEveryEntry) {
   batch.evaluate(row(s.q), row(s.dq), row(s.ddq), of_batch);
   MatrixXd expected = MatrixXd::Zero(joints(), phi().size());
   for (int i = 0; i < joints(); ++i) {
-    for (size_t c = 0; c < batch.columns(i).size(); ++c)
-      expected(i, batch.columns(i)[c]) =
+    for (size_t c = 0; c < batch.columns({i}).size(); ++c)
+      expected(i, batch.columns({i})[c]) =
           of_batch[i](0, static_cast<Eigen::Index>(c));
   }
   EXPECT_TRUE(near(Y, expected, kRounding * (1.0 + expected.norm())));

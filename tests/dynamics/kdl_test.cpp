@@ -109,7 +109,7 @@ TEST_P(KdlOnSerialArms, JacobianAgrees) {
   for (const State& s : states_) {
     KDL::Jacobian J(chain_.getNrOfJoints());
     ASSERT_EQ(solver.JntToJac(kdl(s.q), J), 0);
-    const int tip = static_cast<int>(arm_.frames().size()) - 1;
+    const FrameIndex tip{static_cast<int>(arm_.frames().size()) - 1};
     EXPECT_TRUE(near(frame_jacobian(arm_, s.q, tip), J.data, kRelative * J.data.norm()));
   }
 }

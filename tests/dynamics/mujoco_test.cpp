@@ -66,7 +66,7 @@ void write_children(const Model& arm, std::optional<FrameIndex> parent, const Po
     const double s0 = frame.variable.offset;
     const Posed at_zero = turns ? Posed{rotation_z(s0), {0, 0, 0}} : Posed{identity3(), {0, 0, s0}};
     out << "<body name='" << frame.name << '\'' << pose_attributes(T_before * frame.A * at_zero)
-        << ">\n<joint name='" << arm.coordinates()[main_coordinate(frame.variable)].name
+        << ">\n<joint name='" << arm.coordinates()[main_coordinate(frame.variable).value].name
         << "' type='" << (turns ? "hinge" : "slide") << "' axis='0 0 1'/>\n"
         << inertial_element(*frame.body->phi, frame.B);
     write_children(arm, FrameIndex{k}, frame.B, out);

@@ -65,8 +65,8 @@ TEST_P(OnEveryRobotFile, RegressorsOfOneAndOfManyStatesAgreeWithTheTorques) {
     batch.evaluate(s.q.transpose(), s.dq.transpose(), s.ddq.transpose(), Y);
     for (int i = 0; i < arm_.joints(); ++i) {
       double sum = 0.0;
-      for (size_t c = 0; c < batch.columns(i).size(); ++c)
-        sum += Y[i](0, static_cast<int>(c)) * phi[batch.columns(i)[c]];
+      for (size_t c = 0; c < batch.columns({i}).size(); ++c)
+        sum += Y[i](0, static_cast<int>(c)) * phi[batch.columns({i})[c]];
       EXPECT_NEAR(sum, tau[i], tolerance);
     }
   }

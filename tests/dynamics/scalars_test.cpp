@@ -202,7 +202,7 @@ TEST_P(ScalarsOnEverySampleArm, ExternalWrenchesAddTheTransposedJacobianTimesThe
   const State s = test_states(n, 94).back();
   VectorXd free(n), loaded(n);
   dynamics.inverse_dynamics(s.q, s.dq, s.ddq, free);
-  for (int frame = 0; frame < static_cast<int>(arm().frames().size()); ++frame) {
+  for (FrameIndex frame; frame.value < static_cast<int>(arm().frames().size()); ++frame.value) {
     const Eigen::Vector3d force = random.vector(3, -5, 5);
     const Eigen::Vector3d moment = random.vector(3, -5, 5);
     dynamics.inverse_dynamics(s.q, s.dq, s.ddq, {{frame, force, moment}}, loaded);
@@ -210,7 +210,7 @@ TEST_P(ScalarsOnEverySampleArm, ExternalWrenchesAddTheTransposedJacobianTimesThe
     VectorXd wrench(6);
     wrench << R * force, R * moment;
     const VectorXd borne = frame_jacobian(arm(), s.q, frame).transpose() * wrench;
-    EXPECT_TRUE(near(free - loaded, borne, 1e-12 * (1.0 + free.norm() + borne.norm()))) << frame;
+    EXPECT_TRUE(near(free - loaded, borne, 1e-12 * (1.0 + free.norm() + borne.norm()))) << frame.value;
   }
 }
 

@@ -37,11 +37,11 @@ TEST_P(BatchOnEverySampleArm, ColumnsOfAJointBelongToTheBodiesThatItMoves) {
   for (int i = 0; i < joints(); ++i) {
     std::vector<int> expected;
     for (size_t b = 0; b < arm().bodies().size(); ++b) {
-      if (!arm().moves(arm().bodies()[b], i)) continue;
+      if (!arm().moves(arm().bodies()[b], {i})) continue;
       for (int c = 0; c < kBodyParameters; ++c)
         expected.push_back(static_cast<int>(b) * kBodyParameters + c);
     }
-    EXPECT_EQ(batch.columns(i), expected);
+    EXPECT_EQ(batch.columns({i}), expected);
   }
 }
 
@@ -57,8 +57,8 @@ TEST_P(BatchOnEverySampleArm, RegressorIsThatOfEachState) {
                                             VectorXd(s.ddq.row(row)));
       MatrixXd all = MatrixXd::Zero(joints(), one.cols());
       for (int i = 0; i < joints(); ++i) {
-        for (size_t c = 0; c < batch.columns(i).size(); ++c)
-          all(i, batch.columns(i)[c]) = Y[i](row, static_cast<int>(c));
+        for (size_t c = 0; c < batch.columns({i}).size(); ++c)
+          all(i, batch.columns({i})[c]) = Y[i](row, static_cast<int>(c));
       }
       EXPECT_TRUE(near(all, one, kRounding * (1 + one.cwiseAbs().maxCoeff())))
           << rows << " rows, row " << row;
@@ -109,7 +109,7 @@ TEST_P(BatchOnEverySampleArm, GradientIsThatOfTheWeightedRegressor) {
     Random random(72);
     std::vector<MatrixXd> weights;
     for (int i = 0; i < n; ++i) {
-      const auto columns = static_cast<int>(batch.columns(i).size());
+      const auto columns = static_cast<int>(batch.columns({i}).size());
       const VectorXd w = random.vector(rows * columns, -1, 1);
       weights.emplace_back(Eigen::Map<const MatrixXd>(w.data(), rows, columns));
     }

@@ -122,19 +122,18 @@ TEST(Cause, RejectsUnknownNamesAndListsKnownOnes) {
 // A load and a number of a frame's row act where the last joint moves the frame.
 TEST(Cause, ALoadActsAtTheLastJointThatMovesItsFrame) {
   const Model arm = psm();
-  const int tool = arm.find_frame("tool");
-  ASSERT_GE(tool, 0);
-  EXPECT_EQ(acting_joint(arm, AddedLoad{{tool}}), JointIndex{2});
-  EXPECT_EQ(acting_joint(arm, KinematicError{FrameConstant{{tool}, FrameNumber::kTheta}}), JointIndex{2});
+  const FrameIndex tool = *arm.find_frame("tool");
+  EXPECT_EQ(acting_joint(arm, AddedLoad{tool}), JointIndex{2});
+  EXPECT_EQ(acting_joint(arm, KinematicError{FrameConstant{tool, FrameNumber::kTheta}}), JointIndex{2});
   EXPECT_EQ(acting_joint(arm, NewEffect{"backlash", {1}}), JointIndex{1});
   EXPECT_FALSE(acting_joint(arm, ChannelError{"gravity_tilt", std::nullopt}).has_value());
-  const CauseWords w = words_of(arm, AddedLoad{{tool}});
+  const CauseWords w = words_of(arm, AddedLoad{tool});
   EXPECT_EQ(w.effect, "payload");
-  EXPECT_EQ(w.joint, 3);
+  EXPECT_EQ(w.joint, JointIndex{2});
   EXPECT_EQ(w.coordinate, "insertion");
   EXPECT_EQ(w.frame, "tool");
   const CauseWords of_arm = words_of(arm, ChannelError{"time_delay", std::nullopt});
-  EXPECT_EQ(of_arm.joint, 0);
+  EXPECT_FALSE(of_arm.joint);
   EXPECT_EQ(of_arm.coordinate, "arm");
   EXPECT_TRUE(same_cause(NewEffect{"backlash", {1}}, ChangedEffect{"backlash", {1}}));
   EXPECT_FALSE(same_cause(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));

@@ -71,7 +71,7 @@ double distance_to(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eig
 
 double by_points(const FramePoints& at, const Model& arm, const Capsule& a, const Capsule& b) {
   const auto place = [&](const Capsule& c, const Eigen::Vector3d& p) {
-    return c.frame == "world" ? p : at.point(FrameIndex{arm.find_frame(c.frame)}, p);
+    return c.frame == "world" ? p : at.point(*arm.find_frame(c.frame), p);
   };
   double least = 1e9;
   for (int k = 0; k <= 400; ++k) {
@@ -106,7 +106,7 @@ double smallest_gap(const Model& arm, const Excitation& e, const CollisionPair& 
       for (const Capsule& b : pair.others) least = std::min(least, by_points(at, arm, a, b));
       if (!pair.obstacle) continue;
       for (const Eigen::Vector3d& end : {a.from, a.to})
-        least = std::min(least, at.point(FrameIndex{arm.find_frame(a.frame)}, end).z() - pair.obstacle->upper.z() - a.radius);
+        least = std::min(least, at.point(*arm.find_frame(a.frame), end).z() - pair.obstacle->upper.z() - a.radius);
     }
   }
   return least;
@@ -159,7 +159,7 @@ TEST(Collisions, GapsEqualTheLeastDistanceOfSampledAxisPoints) {
       double points = 1e9;
       for (int s = 0; s <= 400; ++s) {
         const Eigen::Vector3d p =
-            at.point(FrameIndex{arm.find_frame(capsules[a].frame)}, capsules[a].from + s / 400.0 * (capsules[a].to - capsules[a].from));
+            at.point(*arm.find_frame(capsules[a].frame), capsules[a].from + s / 400.0 * (capsules[a].to - capsules[a].from));
         points = std::min(points, (p - p.cwiseMax(box.lower).cwiseMin(box.upper)).norm());
       }
       EXPECT_LE(nearest.gap, points - capsules[a].radius + 1e-9);
@@ -221,7 +221,7 @@ TEST(Collisions, AnObstacleIsKeptAsALimitOrReportedAsImpossible) {
     EXPECT_EQ(std::count_if(limits.pairs.begin(), limits.pairs.end(), [](const CollisionPair& p) { return p.obstacle.has_value(); }), 3);
   }
   ModelDescription d = arm.description();
-  d.frames[arm.find_frame("upper")].A = identity_pose();  // about the world's z axis
+  d.frames[arm.find_frame("upper")->value].A = identity_pose();  // about the world's z axis
   const Model table(std::move(d));
   const Capsule disc{"upper", {0, 0, 0}, {0, 0, 0.1}, 0.05};
   EXPECT_EQ(collision_limits(table, {disc}, {floor_at(0.0)}).touching, std::vector<std::string>{"upper and floor"});

@@ -27,7 +27,7 @@ ExcitationOptions small_search() {
 
 Eigen::Vector3d place(const Model& arm, const MotionSamples& m, Eigen::Index row,
                       const char* frame) {
-  return frame_pose(arm, m.q.row(row).transpose(), arm.find_frame(frame)).matrix().topRightCorner<3, 1>();
+  return frame_pose(arm, m.q.row(row).transpose(), *arm.find_frame(frame)).matrix().topRightCorner<3, 1>();
 }
 
 MotionSamples fine(const Excitation& e) {
@@ -77,7 +77,7 @@ TEST(WorkspaceLimits, InsertionLimitsCountFromTheRemoteCentre) {
   const Model arm = read_model("psm-3dof");
   const VectorXd at_centre = (VectorXd(3) << 0.3, 0.2, 0.4318 - 0.4162).finished();
   const Eigen::Vector3d centre =
-      frame_pose(arm, at_centre, arm.find_frame("tool")).matrix().topRightCorner<3, 1>();
+      frame_pose(arm, at_centre, *arm.find_frame("tool")).matrix().topRightCorner<3, 1>();
   ExcitationOptions options = small_search();
   options.workspace.insertions = {{"tool", centre, 0.05, 0.15}};
   const Excitation e = optimise_excitation(arm, options);

@@ -109,7 +109,7 @@ TEST_P(Mjcf, HasTheFramesOfTheArm) {
     const Frame& frame = arm.frames()[k];
     const int site = mj_name2id(exported.model.get(), mjOBJ_SITE, frame.name.c_str());
     ASSERT_GE(site, 0) << frame.name;
-    const Eigen::Isometry3d T = frame_pose(arm, q, k);
+    const Eigen::Isometry3d T = frame_pose(arm, q, {k});
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(exported.data->site_xmat + 9 * site);
     EXPECT_TRUE(near(Eigen::Vector3d(exported.data->site_xpos + 3 * site), Eigen::Vector3d(T.translation()), 1e-9));
     EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.linear()), 1e-9)) << frame.name;
@@ -208,13 +208,13 @@ TEST(ForeignMjcf, HasTheTorquesAndFramesOfMujoco) {
     EXPECT_TRUE(near(theirs, tau, kRelative * (1.0 + tau.cwiseAbs().maxCoeff())));
     for (const char* name : {"upper", "fore", "slider", "finger"}) {
       const int body = mj_name2id(m, mjOBJ_BODY, name);
-      const Eigen::Isometry3d T = frame_pose(arm, q, arm.find_frame(name));
+      const Eigen::Isometry3d T = frame_pose(arm, q, *arm.find_frame(name));
       const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(d->xmat + 9 * body);
       EXPECT_TRUE(near(Eigen::Vector3d(d->xpos + 3 * body), Eigen::Vector3d(T.translation()), 1e-12)) << name;
       EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.linear()), 1e-12)) << name;
     }
     const int mark = mj_name2id(m, mjOBJ_SITE, "mark");
-    const Eigen::Isometry3d T = frame_pose(arm, q, arm.find_frame("mark"));
+    const Eigen::Isometry3d T = frame_pose(arm, q, *arm.find_frame("mark"));
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(d->site_xmat + 9 * mark);
     EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.linear()), 1e-12));
   }

@@ -101,7 +101,7 @@ class PatientSideManipulator : public testing::TestWithParam<RemoteCentre> {
  protected:
   static Model arm() { return read_model(GetParam().robot); }
   static Eigen::Matrix4d pose(const Model& arm, const VectorXd& q, const std::string& frame) {
-    return frame_pose(arm, q, arm.find_frame(frame)).matrix();
+    return frame_pose(arm, q, *arm.find_frame(frame)).matrix();
   }
 };
 
@@ -140,7 +140,7 @@ TEST_P(PatientSideManipulator, HorizontalBarKeepsItsOrientationInTheYawFrame) {
 TEST(Psm3Dof, TipIsAtTheRemoteCentreAtTheInsertionOfTheErrata) {
   const Model psm = read_model("psm-3dof");
   const Eigen::Matrix4d T =
-      frame_pose(psm, Eigen::Vector3d(0.4, -0.3, 0.0156), psm.find_frame("tool")).matrix();
+      frame_pose(psm, Eigen::Vector3d(0.4, -0.3, 0.0156), *psm.find_frame("tool")).matrix();
   const Eigen::Vector3d centre(0.4864, 0, 0.1524);
   EXPECT_LT((T.block<3, 1>(0, 3) - centre).norm(), 1e-5);  // the errata print four digits
 }
@@ -152,8 +152,8 @@ TEST(Psm3Dof, CounterweightSlidesAgainstTheInsertion) {
   for (const bool printed : {false, true}) {
     const Model psm = read_model(printed ? "psm-3dof-printed" : "psm-3dof");
     const VectorXd q = random.vector(3, -1, 1);
-    const Eigen::Matrix4d tool = frame_pose(psm, q, psm.find_frame("tool")).matrix();
-    const Eigen::Matrix4d weight = frame_pose(psm, q, psm.find_frame("counterweight")).matrix();
+    const Eigen::Matrix4d tool = frame_pose(psm, q, *psm.find_frame("tool")).matrix();
+    const Eigen::Matrix4d weight = frame_pose(psm, q, *psm.find_frame("counterweight")).matrix();
     const double cosine = tool.block<3, 1>(0, 2).dot(weight.block<3, 1>(0, 2));
     EXPECT_NEAR(cosine, printed ? -std::cos(std::atan(0.0430 / 0.1437)) : -1.0, 1e-14);
   }
@@ -169,7 +169,7 @@ TEST(Rods, HaveTheKinematicsOfTheirArmAndConsistentBodies) {
     const VectorXd q = random.vector(arm.joints(), -1, 1);
     for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
       EXPECT_TRUE(
-          near(frame_pose(rods, q, k).matrix(), frame_pose(arm, q, k).matrix(), 1e-15));
+          near(frame_pose(rods, q, {k}).matrix(), frame_pose(arm, q, {k}).matrix(), 1e-15));
     }
     ASSERT_TRUE(rods.inertial_values()) << name;
     EXPECT_TRUE(physical_faults(rods).empty()) << name;

@@ -138,9 +138,9 @@ void expect_same_poses(const Model& a, const Model& b) {
     const VectorXd q = random.vector(a.joints(), -2, 2);
     for (const Frame& frame : a.frames()) {
       SCOPED_TRACE(frame.name);
-      ASSERT_GE(b.find_frame(frame.name), 0);
-      const Eigen::Matrix4d in_a = frame_pose(a, q, a.find_frame(frame.name)).matrix();
-      EXPECT_TRUE(near(in_a, frame_pose(b, q, b.find_frame(frame.name)).matrix(), kPoseRounding));
+      ASSERT_TRUE(b.find_frame(frame.name));
+      const Eigen::Matrix4d in_a = frame_pose(a, q, *a.find_frame(frame.name)).matrix();
+      EXPECT_TRUE(near(in_a, frame_pose(b, q, *b.find_frame(frame.name)).matrix(), kPoseRounding));
     }
   }
 }
@@ -274,7 +274,7 @@ TEST_P(OnEveryRobot, UrdfKeepsInertias) {
   const Model before = identified(arm().description());
   const Model after = through_urdf(before);
   for (const Frame& frame : before.frames()) {
-    const auto& body = after.frames()[after.find_frame(frame.name)].body;
+    const auto& body = after.frames()[after.find_frame(frame.name)->value].body;
     ASSERT_EQ(body.has_value(), frame.body.has_value());
     if (!body) continue;
     EXPECT_TRUE(near(*body->phi, *frame.body->phi, kPoseRounding));

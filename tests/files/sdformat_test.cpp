@@ -33,16 +33,16 @@ void expect_as_libsdformat(const Model& arm, const sdf::Model& model) {
   int bodies = 0;
   for (std::uint64_t k = 0; k < model.LinkCount(); ++k) {
     const sdf::Link& link = *model.LinkByIndex(k);
-    int frame = arm.find_frame(link.Name());
-    if (frame < 0) frame = arm.find_frame(link.Name().substr(0, link.Name().rfind("_link")));  // see to_sdf()
-    if (frame < 0) {  // a link between two joints of one frame
+    std::optional<FrameIndex> frame = arm.find_frame(link.Name());
+    if (!frame) frame = arm.find_frame(link.Name().substr(0, link.Name().rfind("_link")));  // see to_sdf()
+    if (!frame) {  // a link between two joints of one frame
       EXPECT_LT(link.Inertial().MassMatrix().Mass(), 1e-8) << link.Name();
       continue;
     }
     ignition::math::Pose3d pose;
     ASSERT_TRUE(link.SemanticPose().Resolve(pose, "__model__").empty());
-    EXPECT_TRUE(near(frame_pose(arm, zero, frame).matrix(), (T_world_model * eigen_pose(pose)).matrix(), 1e-12)) << link.Name();
-    const auto& body = arm.frames()[frame].body;
+    EXPECT_TRUE(near(frame_pose(arm, zero, *frame).matrix(), (T_world_model * eigen_pose(pose)).matrix(), 1e-12)) << link.Name();
+    const auto& body = arm.frames()[frame->value].body;
     if (!body) {
       EXPECT_LT(link.Inertial().MassMatrix().Mass(), 1e-8) << link.Name();
       continue;
@@ -59,21 +59,21 @@ void expect_as_libsdformat(const Model& arm, const sdf::Model& model) {
   EXPECT_GT(bodies, 0);
   for (std::uint64_t k = 0; k < model.JointCount(); ++k) {
     const sdf::Joint& joint = *model.JointByIndex(k);
-    const int i = arm.find_coordinate(joint.Name());
-    if (i < 0) {
+    const std::optional<JointIndex> i = arm.find_coordinate(joint.Name());
+    if (!i) {
       EXPECT_EQ(joint.Type(), sdf::JointType::FIXED) << joint.Name();
       continue;
     }
     ignition::math::Vector3d axis;
     ASSERT_TRUE(joint.Axis(0)->ResolveXyz(axis, "__model__").empty());
     VectorXd q = zero;
-    q[i] = 0.3;
-    int moved = 0;  // the first frame that the coordinate moves
-    while (!arm.moves(moved, i)) ++moved;
+    q[i->value] = 0.3;
+    FrameIndex moved;  // the first frame that the coordinate moves
+    while (!arm.moves(moved, *i)) ++moved.value;
     const Eigen::Isometry3d T = frame_pose(arm, zero, moved);
     const Eigen::Isometry3d U = frame_pose(arm, q, moved);
     const Eigen::Vector3d u = T_world_model.linear() * Eigen::Vector3d(axis.X(), axis.Y(), axis.Z());
-    if (arm.coordinates()[i].prismatic) {
+    if (arm.coordinates()[i->value].prismatic) {
       EXPECT_TRUE(near(Eigen::Vector3d(U.translation() - T.translation()), 0.3 * u, 1e-12)) << joint.Name();
     } else {
       EXPECT_TRUE(near(Eigen::Matrix3d(U.linear()), Eigen::AngleAxisd(0.3, u) * T.linear(), 1e-12)) << joint.Name();

@@ -87,7 +87,7 @@ TEST_F(SimulationFile, OnlyChangedValuesOfAnMjcfAreReplaced) {
   const Model after = extended(before, "fore");
   const UpdatedFile updated = updated_mjcf(after, path);
   const Model read = read_model(write("new.xml", updated.xml));
-  EXPECT_GE(read.find_frame("load"), 0);
+  EXPECT_TRUE(read.find_frame("load"));
   expect_same_torques(after, read);
   for (const char* kept : {"<!-- a camera for the film -->", "<jointpos joint=\"yaw\" />", "class=\"weak\"", "kp=\"100\"", "fromto=\"0 0 0 0.3 0.05 0\"",
                            "fullinertia=\"0.03 0.02 0.025 0.001 0.002 -0.001\""})
@@ -125,7 +125,7 @@ TEST_F(SimulationFile, ALoadOnASiteIsAdded) {
   const std::string path = write("arm.xml", kStrangerMjcf);
   ModelDescription d = extended(read_model(path), "none").description();
   d.effects = read_model(path).effects();
-  d.frames.back().parent = FrameIndex{read_model(path).find_frame("mark")};
+  d.frames.back().parent = read_model(path).find_frame("mark");
   const Model after(std::move(d));
   const UpdatedFile updated = updated_mjcf(after, path);
   EXPECT_EQ(updated.changed, std::vector<std::string>{"a new body load"});
@@ -149,7 +149,7 @@ TEST_F(SimulationFile, OnlyChangedValuesOfAnSdfAreReplaced) {
   const Model after = extended(read_model(path), "upper");
   const UpdatedFile updated = updated_sdf(after, path);
   const Model read = read_model(write("new.sdf", updated.xml));
-  EXPECT_GE(read.find_frame("load"), 0);
+  EXPECT_TRUE(read.find_frame("load"));
   expect_same_torques(after, read);
   EXPECT_TRUE(contains_text(updated.xml, "<plane") || contains_text(updated.xml, "name=\"plane\""));
   EXPECT_TRUE(updated.left_out.empty()) << updated.left_out.front();
@@ -233,7 +233,7 @@ TEST_F(SimulationFile, DifferencesOfGravityAndFramesAreReported) {
   const std::string path = write("arm.xml", kFromGeoms);
   ModelDescription d = read_model(path).description();
   d.gravity = {0.1, 0, -9.8};
-  d.frames[read_model(path).find_frame("fore")].A.p.z += 0.01;
+  d.frames[read_model(path).find_frame("fore")->value].A.p.z += 0.01;
   const UpdatedFile updated = updated_mjcf(Model(d), path);
   EXPECT_EQ(updated.left_out, (std::vector<std::string>{"gravity", "the place of fore"}));
   // A second export tells what it left out itself, and nothing of the first one.

@@ -52,8 +52,7 @@ class TemporaryFolder {
 MatrixXd permutation(const Model& a, const Model& b) {
   MatrixXd P = MatrixXd::Zero(a.joints(), b.joints());
   for (int i = 0; i < a.joints(); ++i) {
-    const int j = b.find_coordinate(a.coordinates()[i].name);
-    if (j >= 0) P(i, j) = 1.0;
+    if (const auto j = b.find_coordinate(a.coordinates()[i].name)) P(i, j->value) = 1.0;
   }
   return P;
 }
@@ -66,11 +65,11 @@ void expect_same_frames(const Model& before, const Model& after) {
   for (int trial = 0; trial < 5; ++trial) {
     const VectorXd q = VectorXd::Random(before.joints());
     for (std::size_t k = 0; k < before.frames().size(); ++k) {
-      int there = after.find_frame(before.frames()[k].name);
-      if (there < 0) there = after.find_frame(before.frames()[k].name + "_link");  // see to_sdf()
-      ASSERT_GE(there, 0) << before.frames()[k].name;
-      const Eigen::Isometry3d T = frame_pose(before, q, static_cast<int>(k));
-      const Eigen::Isometry3d U = frame_pose(after, P.transpose() * q, there);
+      std::optional<FrameIndex> there = after.find_frame(before.frames()[k].name);
+      if (!there) there = after.find_frame(before.frames()[k].name + "_link");  // see to_sdf()
+      ASSERT_TRUE(there) << before.frames()[k].name;
+      const Eigen::Isometry3d T = frame_pose(before, q, {static_cast<int>(k)});
+      const Eigen::Isometry3d U = frame_pose(after, P.transpose() * q, *there);
       EXPECT_TRUE(near(T.matrix(), U.matrix(), 1e-12)) << before.frames()[k].name;
     }
   }
@@ -124,7 +123,7 @@ TEST_P(SimulatorFiles, MjcfIsReadBackAsTheArm) {
   expect_same_torques(arm, read);
   EXPECT_EQ(read.effects().size(), arm.effects().size());
   for (const Coordinate& c : arm.coordinates()) {
-    const Coordinate& other = read.coordinates()[read.find_coordinate(c.name)];
+    const Coordinate& other = read.coordinates()[read.find_coordinate(c.name)->value];
     EXPECT_EQ(other.prismatic, c.prismatic);
     EXPECT_EQ(other.limits.effort, c.limits.effort);
     const bool both = std::isfinite(c.limits.lower) && std::isfinite(c.limits.upper);
@@ -163,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, SimulatorFiles,
 
 const EffectTerm* term_of(const Model& arm, const std::string& effect, int coordinate) {
   for (const EffectTerm& term : arm.effects()) {
-    if (term.effect == effect && main_coordinate(term.axis) == coordinate) return &term;
+    if (term.effect == effect && main_coordinate(term.axis).value == coordinate) return &term;
   }
   return nullptr;
 }
@@ -191,7 +190,7 @@ TEST(ExportedNames, OfSdfLinksAreUnique) {
   const TemporaryFolder folder;
   const Model read = read_model(folder.write("arm.sdf", to_sdf(arm)));
   EXPECT_EQ(read.joints(), 2);
-  EXPECT_GE(read.find_frame("shoulder_link"), 0);
+  EXPECT_TRUE(read.find_frame("shoulder_link"));
 }
 
 TEST(StrangersMjcf, IsReadWithItsClassesUnitsAndActuators) {
@@ -215,10 +214,10 @@ TEST(StrangersMjcf, IsReadWithItsClassesUnitsAndActuators) {
   EXPECT_EQ(term_of(arm, "coulomb_friction", 2), nullptr);
   EXPECT_EQ(term_of(arm, "rotor_inertia", 2)->values.at("inertia"), 0.01);  // class main
   EXPECT_NEAR(term_of(arm, "joint_spring", 1)->axis.offset, -20 * M_PI / 180, 1e-15);
-  const Frame& finger = arm.frames()[arm.find_frame("finger")];
+  const Frame& finger = arm.frames()[arm.find_frame("finger")->value];
   EXPECT_EQ(finger.variable.coefficients[3], -0.5);
   EXPECT_NEAR(finger.variable.offset, 0.02, 1e-15);  // 0.01 + 0.02 - 0.5 reach, less its reference
-  EXPECT_GE(arm.find_frame("mark"), 0);
+  EXPECT_TRUE(arm.find_frame("mark"));
 }
 
 // A joint's effort limit is the sum of what its actuators can give; one without a limit leaves none.
@@ -259,11 +258,11 @@ TEST(StrangersMjcf, AFollowerIsPlacedRelativeToItsReference) {
   const TemporaryFolder folder;
   const Model arm = read_model(folder.write("stranger.xml", kStrangerMjcf));
   const VectorXd zero = VectorXd::Zero(4);
-  const Eigen::Isometry3d T = frame_pose(arm, zero, arm.find_frame("slider"));
+  const Eigen::Isometry3d T = frame_pose(arm, zero, *arm.find_frame("slider"));
   // At reach 0 the follower reads 0.01 + 0.02, which is 0.02 beyond its reference.
   const Eigen::Vector3d expected = T * Eigen::Vector3d(0, 0.02, 0.1) +
                                    T.linear() * Eigen::Quaterniond(0.7, 0, 0.7, 0.1).normalized().toRotationMatrix() * Eigen::Vector3d(0, 0.02, 0);
-  EXPECT_TRUE(near(Eigen::Vector3d(frame_pose(arm, zero, arm.find_frame("finger")).translation()), expected, 1e-14));
+  EXPECT_TRUE(near(Eigen::Vector3d(frame_pose(arm, zero, *arm.find_frame("finger")).translation()), expected, 1e-14));
 }
 
 TEST(StrangersSdf, IsReadWithItsRelativePoses) {
@@ -280,7 +279,7 @@ TEST(StrangersSdf, IsReadWithItsRelativePoses) {
   EXPECT_EQ(term_of(arm, "viscous_friction", 0)->values.at("coefficient"), 0.3);
   EXPECT_EQ(term_of(arm, "coulomb_friction", 0)->values.at("level"), 0.7);
   EXPECT_EQ(term_of(arm, "joint_spring", 0)->axis.offset, -0.2);
-  const Frame& tool = arm.frames()[arm.find_frame("tool")];
+  const Frame& tool = arm.frames()[arm.find_frame("tool")->value];
   ASSERT_TRUE(tool.body.has_value());  // SDFormat's own values
   EXPECT_EQ((*tool.body->phi)[0], 1.0);
   // base: model, mount and base one after the other, with Rz Ry Rx of roll, pitch and yaw.
@@ -290,18 +289,18 @@ TEST(StrangersSdf, IsReadWithItsRelativePoses) {
   T = T * Eigen::Translation3d(0, 0, 0.1) * Eigen::Isometry3d(turn(0.4, z)) * Eigen::Translation3d(0, 0, 0.05);
   const double q0 = 0.6;
   const Eigen::Vector3d q(q0, -0.1, 0.4);
-  EXPECT_TRUE(near(frame_pose(arm, q, arm.find_frame("base")).matrix(), T.matrix(), 1e-14));
+  EXPECT_TRUE(near(frame_pose(arm, q, *arm.find_frame("base")).matrix(), T.matrix(), 1e-14));
   // upper: the joint's frame, a turn about an axis that is given in `mount`, the link in the joint's frame.
   const Eigen::Isometry3d joint = Eigen::Translation3d(0.1, 0, 0.2) * Eigen::Isometry3d(turn(0.3, x));
   const Eigen::Vector3d axis = turn(-0.3, x) * Eigen::Vector3d(0, 1, 0.2).normalized();
   T = T * joint * Eigen::Isometry3d(turn(q0, axis)) * Eigen::Translation3d(0.02, 0.03, 0) * Eigen::Isometry3d(turn(0.5, z));
-  EXPECT_TRUE(near(frame_pose(arm, q, arm.find_frame("upper")).matrix(), T.matrix(), 1e-14));
+  EXPECT_TRUE(near(frame_pose(arm, q, *arm.find_frame("upper")).matrix(), T.matrix(), 1e-14));
   // fore: slides along z of a frame that is placed in it.
   const Eigen::Isometry3d fore = Eigen::Translation3d(0.3, 0, 0) * Eigen::Isometry3d(turn(M_PI / 9, z) * turn(M_PI / 2, x));
   T = T * fore * Eigen::Translation3d(-0.1 * (turn(0.2, y) * z));
-  EXPECT_TRUE(near(frame_pose(arm, q, arm.find_frame("fore")).matrix(), T.matrix(), 1e-14));
+  EXPECT_TRUE(near(frame_pose(arm, q, *arm.find_frame("fore")).matrix(), T.matrix(), 1e-14));
   T = T * Eigen::Translation3d(0, 0, 0.1) * Eigen::Isometry3d(turn(M_PI / 2 + 0.4, z)) * Eigen::Translation3d(0, 0, 0.05);
-  EXPECT_TRUE(near(frame_pose(arm, q, arm.find_frame("tool")).matrix(), T.matrix(), 1e-14));
+  EXPECT_TRUE(near(frame_pose(arm, q, *arm.find_frame("tool")).matrix(), T.matrix(), 1e-14));
 }
 
 // ---- Bad files: one line with file, line, column, found and expected.

@@ -102,10 +102,10 @@ TEST_F(UrdfFile, CoordinatesKeepTheOrderOfTheFile) {
 
 TEST_F(UrdfFile, MimicJointsBecomeAffineJointVariables) {
   const Model arm = read(kGripper);
-  const Frame& right = arm.frames()[arm.find_frame("right")];
+  const Frame& right = arm.frames()[arm.find_frame("right")->value];
   EXPECT_TRUE(near(right.variable.coefficients, Eigen::Vector2d(0, -0.5), 0.0));
   EXPECT_EQ(right.variable.offset, 0.2);
-  const Frame& tip = arm.frames()[arm.find_frame("tip")];
+  const Frame& tip = arm.frames()[arm.find_frame("tip")->value];
   EXPECT_TRUE(near(tip.variable.coefficients, Eigen::Vector2d(0, -5), 0.0));
   EXPECT_EQ(tip.variable.offset, 3.0);
 }
@@ -113,7 +113,7 @@ TEST_F(UrdfFile, MimicJointsBecomeAffineJointVariables) {
 TEST_F(UrdfFile, JointsTurnAndSlideAboutAnyAxis) {
   const Model arm = read(kGripper);
   const double q = 0.3;
-  const Eigen::Matrix4d T = frame_pose(arm, Eigen::Vector2d(q, 0.04), arm.find_frame("left")).matrix();
+  const Eigen::Matrix4d T = frame_pose(arm, Eigen::Vector2d(q, 0.04), *arm.find_frame("left")).matrix();
   // About y: x goes to (cos, 0, -sin). The left finger stands 0.3 + 0.04 along it (URDF axes are
   // directions).
   EXPECT_TRUE(
@@ -125,7 +125,7 @@ TEST_F(UrdfFile, InertialsAreTurnedIntoTheLinkFrame) {
   const Model arm = read(kGripper);
   InertialParameters phi;  // turned so that x goes to y, y to z and z to x
   phi << 2, 0.2, 0, 0, 0.04, 0, 0.03 + 2 * 0.01, 0, 0.001, 0.02 + 2 * 0.01;
-  EXPECT_TRUE(near(*arm.frames()[arm.find_frame("turret")].body->phi, phi,
+  EXPECT_TRUE(near(*arm.frames()[arm.find_frame("turret")->value].body->phi, phi,
                    1e-15));
 }
 
@@ -137,7 +137,7 @@ TEST_F(UrdfFile, WithoutAnyInertialEveryMovingLinkHasABodyWithoutValues) {
   const Model arm = read(content);
   EXPECT_EQ(arm.bodies().size(), 4U);
   EXPECT_FALSE(arm.inertial_values());
-  EXPECT_FALSE(arm.frames()[arm.find_frame("base")].body);
+  EXPECT_FALSE(arm.frames()[arm.find_frame("base")->value].body);
   EXPECT_TRUE(physical_faults(arm).empty());
   EXPECT_EQ(read(kGripper).bodies().size(), 1U);
 }
@@ -327,7 +327,7 @@ TEST_F(UrdfFile, DeepElementsAreRefusedBeforeTheParserRecurses) {
 std::vector<std::string> faults_with(const Model& arm, const std::string& link, double mass,
                                      const Eigen::Matrix<double, 6, 1>& inertia) {
   ModelDescription changed = arm.description();
-  changed.frames[arm.find_frame(link)].body->phi =
+  changed.frames[arm.find_frame(link)->value].body->phi =
       inertial_parameters(mass, {0.1, 0, 0}, inertia);
   return physical_faults(Model(changed));
 }

@@ -155,7 +155,7 @@ TEST(Judge, ALoadOnAnotherFrameOfTheSameBodyIsRight) {
   Finding found;
   found.parameters = {{"mass", "kg", 0.12, 0.1, 0.14}, {"x", "m", 0.12, 0.1, 0.14}};
   for (const auto& [frame, is_right] : {std::pair("wrist", true), std::pair("elbow", false)}) {
-    found.cause = AddedLoad{FrameIndex{d.baseline.model->find_frame(frame)}};
+    found.cause = AddedLoad{*d.baseline.model->find_frame(frame)};
     d.findings = {found};
     const Verdict v = judge(hidden, d);
     EXPECT_EQ(v.first, is_right) << frame;
@@ -269,7 +269,7 @@ TEST(HideAndSeek, ATorqueWithTheWrongSignIsReported) {
   const Diagnosis d = diagnose(bench.robot, train, test);
   int said = 0;
   for (const RecordingQuality& q : d.data_quality) {
-    for (const QualityFinding& f : q.findings) said += f.finding == "torque_sign" && f.joint == 2 ? 1 : 0;
+    for (const QualityFinding& f : q.findings) said += f.kind == QualityKind::kTorqueSign && f.joint == JointIndex{1} ? 1 : 0;
   }
   EXPECT_EQ(said, 1) << d.report();
   fs::remove_all(folder);
@@ -282,7 +282,7 @@ TEST(HideAndSeek, AWrongZeroIsPreferredToALeanWithTheSameTorques) {
   expect_found(played, "offset");
   bool lean = false;  // as a rival, or as a finding on the recording
   for (const Rival& r : played.diagnosis.findings.front().rivals) lean |= effect_of(r.cause) == "gravity_tilt";
-  for (const RecordingQuality& q : played.diagnosis.data_quality) lean |= q.find("gravity") != nullptr;
+  for (const RecordingQuality& q : played.diagnosis.data_quality) lean |= q.find(QualityKind::kGravity) != nullptr;
   EXPECT_TRUE(lean) << played.diagnosis.report();
 }
 

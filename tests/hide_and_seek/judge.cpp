@@ -19,7 +19,7 @@ bool is_on_a_frame(const std::string& effect) {
 
 Named named(const Diagnosis& d, const veridyn::Cause& cause, const std::string& why) {
   const CauseWords w = words_of(*d.baseline.model, cause);
-  return {w.effect, w.joint, w.frame, why};
+  return {w.effect, w.joint ? w.joint->value + 1 : 0, w.frame, why};
 }
 
 bool matches(const Cause& cause, const NamedFinding& f) {
@@ -70,7 +70,7 @@ void compare_intervals(const Cause& cause, const NamedFinding& f, Verdict& v) {
 // A load on any frame of a rigid body is the same load: a finding on one of them counts as on the hidden one. Its centre, in
 // another frame, is not compared.
 void put_on_hidden_frames(const Model& arm, const std::vector<Cause>& hidden, std::vector<NamedFinding>& findings) {
-  const auto body = [&arm](const std::string& frame) { return moving_frame(arm, FrameIndex{arm.find_frame(frame)}); };
+  const auto body = [&arm](const std::string& frame) { return moving_frame(arm, arm.find_frame(frame)); };
   for (const Cause& cause : hidden) {
     if (cause.effect != AddedLoad::kName) continue;
     const auto is_same_body = [&](const Named& one) {

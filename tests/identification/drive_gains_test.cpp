@@ -24,7 +24,7 @@ Model loaded(const Model& arm, const std::string& on, double mass) {
   ModelDescription d = arm.description();
   Frame box;
   box.name = "box";
-  box.parent = FrameIndex{arm.find_frame(on)};
+  box.parent = arm.find_frame(on);
   box.body = Body{};
   Eigen::Matrix<double, 6, 1> inertia;
   inertia << 0.13, 0.0, 0.1, 0.0, 0.0, 0.05;

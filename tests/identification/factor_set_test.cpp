@@ -331,7 +331,7 @@ TEST(DistributedIdentification, ChoosesTheVelocitiesThatOneProcessChooses) {
   const std::vector<std::string> test = {train.back()};
   train.pop_back();
   const Identification one = identify(arm, train, test);
-  ASSERT_EQ(one.preprocessing.derive_velocity_of, std::vector<int>{1});
+  ASSERT_EQ(one.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{1}}));
   for (const int size : {1, 2, 4}) {
     const Identification many = by_ranks(arm, train, test, size);
     EXPECT_TRUE(same_answer(many, one, 1e-12)) << size << " ranks";
@@ -432,7 +432,7 @@ TEST(DistributedIdentification, WritesTheSameFactorsAsOneProcess) {
     EXPECT_EQ(parts.back(), 3U);
     ASSERT_EQ(whole.size(), 1U);
     EXPECT_EQ(whole[0].recordings.size(), 3U);
-    EXPECT_EQ(joints_with_derived_velocities(whole[0]), wrong ? std::vector<int>{1} : std::vector<int>{});
+    EXPECT_EQ(joints_with_derived_velocities(whole[0]), (wrong ? std::vector<JointIndex>{{1}} : std::vector<JointIndex>{}));
     EXPECT_TRUE(near(identify(arm, whole[0]).parameters, id.parameters, 1e-9 * id.parameters.norm()));
   }
 }

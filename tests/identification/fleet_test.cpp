@@ -306,7 +306,7 @@ TEST(AFleet, DerivesInconsistentVelocitiesFromThePosition) {
   const Fleet found = identify_fleet(arm, arms);
   // Factors that identify() made of that recording say the same.
   PreprocessingOptions derived;
-  derived.derive_velocity_of = {1};
+  derived.derive_velocity_of = {{1}};
   std::vector<FleetArm> with_factors = arms;
   with_factors[2].files.front() = (folder / "2.factors").string();
   save_factors(compress(arm, arms[2].files, derived), with_factors[2].files.front());

@@ -21,7 +21,7 @@ Model with_bodies(const Model& arm, const VectorXd& phi) {
   ModelDescription d = arm.description();
   d.identified = IdentifiedBase{};
   for (std::size_t b = 0; b < arm.bodies().size(); ++b)
-    d.frames[arm.bodies()[b]].body->phi = phi.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
+    d.frames[arm.bodies()[b].value].body->phi = phi.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
   return Model(std::move(d));
 }
 
@@ -32,7 +32,7 @@ Model as_identified(const Model& arm) {
   Random random(5);
   VectorXd hidden = random.vector(static_cast<int>(phi.size()), -3.0, 3.0);
   for (std::size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (!arm.frames()[arm.bodies()[b]].body->fixed) continue;
+    if (!arm.frames()[arm.bodies()[b].value].body->fixed) continue;
     const auto at = static_cast<Eigen::Index>(kBodyParameters * b);
     K.middleCols<kBodyParameters>(at).setZero();
     hidden.segment<kBodyParameters>(at).setZero();
@@ -167,7 +167,7 @@ class GearedArm : public testing::Test {
   }
 
   static void expect_masses_of(const Model& drawing, const Model& exported) {
-    for (const int k : drawing.bodies()) {
+    for (const auto [k] : drawing.bodies()) {
       const double mass = (*drawing.frames()[k].body->phi)[0];
       EXPECT_NEAR((*exported.frames()[k].body->phi)[0], mass, 0.2 * mass) << drawing.frames()[k].name;
     }

@@ -45,8 +45,8 @@ class AMistakenRecording : public testing::Test {
     std::vector<std::string> out;
     sentences_.clear();
     for (const QualityFinding& f : check_against(*arm_, path_, options)) {
-      if (f.finding == "weak_motion") continue;  // a warning, about the motion
-      out.push_back(f.finding + ":" + std::to_string(f.joint));
+      if (f.kind == QualityKind::kWeakMotion) continue;  // a warning, about the motion
+      out.push_back(std::string(name_of(f.kind)) + ":" + std::to_string(f.joint ? f.joint->value + 1 : 0));
       sentences_ += f.sentence + "\n";
     }
     return out;
@@ -584,7 +584,7 @@ TEST_F(AMistakenRecording, OfASmallMotionIsReportedAsWeakMotion) {
     r.q *= share;  // the torques have no part in this
     r.dq *= share;
     bool out = false;
-    for (const QualityFinding& f : check_against(*arm_, r)) out = out || (f.finding == "weak_motion" && f.sentence.find("a spring and a load cannot be told apart") != std::string::npos);
+    for (const QualityFinding& f : check_against(*arm_, r)) out = out || (f.kind == QualityKind::kWeakMotion && f.sentence.find("a spring and a load cannot be told apart") != std::string::npos);
     return out;
   };
   EXPECT_TRUE(weak(0.2));
@@ -747,7 +747,7 @@ TEST(AUnit, OfVelocitiesFollowsFromTheTravelOfThePositions) {
     fit.shares = VectorXd::Zero(6);
     Names out;
     for (const RecordingQuestion& q : questions_of(arm, r, {}, std::vector<bool>(6, true), fit)) {
-      if (q.finding == "degrees" && q.joint == 0) out.push_back(q.units);
+      if (q.kind == QualityKind::kDegrees && !q.joint) out.push_back(q.units);
     }
     return out;
   };
@@ -812,23 +812,23 @@ TEST(AMistake, OfSomeRecordingsIsDeniedForTheOthersOnlyIfTheyFitBetterWithoutIt)
 // Rows that cannot be right come before what does not fit the robot because of them.
 TEST(MergedFindings, BeginWithRowsThatCannotBeRight) {
   QualityFinding jump, change;
-  jump.finding = "jumps";
-  change.finding = "changed_midway";
+  jump.kind = QualityKind::kJumps;
+  change.kind = QualityKind::kChangedMidway;
   jump.severity = change.severity = Severity::kFault;
-  EXPECT_EQ(merged_findings({change}, {jump}).front().finding, "jumps");
+  EXPECT_EQ(merged_findings({change}, {jump}).front().kind, QualityKind::kJumps);
 }
 
 // Columns that hold no torques explain by themselves that the arm does not fit.
 TEST(MergedFindings, OmitMismatchesThatAnUnusableColumnExplains) {
-  const auto finding = [](const char* name) {
+  const auto finding = [](QualityKind kind) {
     QualityFinding f;
-    f.finding = name;
+    f.kind = kind;
     f.severity = Severity::kFault;
     return f;
   };
-  for (const char* own : {"zero_signal", "same_column", "stale_rows"}) {
-    const std::vector<QualityFinding> merged = merged_findings({finding("unexplained"), finding("no_sign"), finding("brakes")}, {finding(own)});
-    EXPECT_EQ(merged.size(), std::string(own) == "stale_rows" ? 4U : 2U) << own;
+  for (const QualityKind own : {QualityKind::kZeroSignal, QualityKind::kSameColumn, QualityKind::kStaleRows}) {
+    const std::vector<QualityFinding> merged = merged_findings({finding(QualityKind::kUnexplained), finding(QualityKind::kNoSign), finding(QualityKind::kBrakes)}, {finding(own)});
+    EXPECT_EQ(merged.size(), own == QualityKind::kStaleRows ? 4U : 2U) << name_of(own);
   }
 }
 

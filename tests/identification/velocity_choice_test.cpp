@@ -33,7 +33,7 @@ void quantise(Recording& r, int joint, double share) {
   for (double& x : dq) x = std::round(x / step) * step;
 }
 
-std::vector<int> derived(const Recording& r, bool choose = true) {
+std::vector<JointIndex> derived(const Recording& r, bool choose = true) {
   IdentificationOptions options;
   options.choose_velocities = choose;
   const Identification id = identify(arm(), r, options);
@@ -54,10 +54,10 @@ TEST(VelocityChoice, ConsistentVelocitiesAreUsedAsRecorded) {
 TEST(VelocityChoice, OnlyTheJointWithACoarseVelocityUsesThePosition) {
   Recording r = recording();
   quantise(r, 1, 0.1);
-  EXPECT_EQ(derived(r), std::vector<int>{1});
+  EXPECT_EQ(derived(r), (std::vector<JointIndex>{{1}}));
   EXPECT_TRUE(derived(r, false).empty());
   quantise(r, 0, 0.1);
-  EXPECT_EQ(derived(r), (std::vector<int>{0, 1}));
+  EXPECT_EQ(derived(r), (std::vector<JointIndex>{{0}, {1}}));
   EXPECT_LT(distance(r, true), distance(r, false));
 }
 
@@ -69,7 +69,7 @@ TEST(VelocityChoice, AWrongVelocityIsNotReportedAsAModelError) {
   const double honest = evaluate(*good.model, r).train_error.relative.maxCoeff();
   r.dq.col(0) *= 180.0 / M_PI;
   const Identification judged = evaluate(*good.model, r);
-  EXPECT_EQ(judged.preprocessing.derive_velocity_of, std::vector<int>{0});
+  EXPECT_EQ(judged.preprocessing.derive_velocity_of, (std::vector<JointIndex>{{0}}));
   EXPECT_LT(judged.train_error.relative.maxCoeff(), 1.2 * honest);
   IdentificationOptions as_recorded;
   as_recorded.choose_velocities = false;
@@ -91,7 +91,7 @@ TEST(VelocityChoice, WithFilteredSignalsTheRecordedVelocityIsUsed) {
 TEST(VelocityChoice, AVelocityOfAnotherUnitIsReplacedByTheDerivedOne) {
   Recording r = recording();
   r.dq.col(0) *= 1.2;
-  EXPECT_EQ(derived(r), std::vector<int>{0});
+  EXPECT_EQ(derived(r), (std::vector<JointIndex>{{0}}));
 }
 
 // Velocities are judged from the rows that are asked about, and from a bounded number of them.
@@ -111,19 +111,19 @@ TEST(VelocityChoice, InspectedRowsAreThoseOfTheOptionsUpToABound) {
 TEST(VelocityChoice, VelocitiesAreReplacedOnlyWhereTheTorqueErrorFalls) {
   Identification before;
   before.train_error.relative = Eigen::Vector3d(0.10, 0.10, 0.10);
-  std::vector<std::set<int>> asked;
-  const auto look = [&](const std::set<int>& joints) {
+  std::vector<std::set<JointIndex>> asked;
+  const auto look = [&](const std::set<JointIndex>& joints) {
     asked.push_back(joints);
     Identification id;
     id.model = arm();
     id.train_error.relative = Eigen::Vector3d(0.09, 0.11, 0.099);  // better, worse, not worth it
     return id;
   };
-  const VelocityChoice some = choose_velocities(before, {0, 1, 2}, identifying::numbers.velocity_gain, look);
-  EXPECT_EQ(some.better, std::set<int>{0});
+  const VelocityChoice some = choose_velocities(before, {{0}, {1}, {2}}, identifying::numbers.velocity_gain, look);
+  EXPECT_EQ(some.better, (std::set<JointIndex>{{0}}));
   EXPECT_TRUE(some.fit.has_value());
-  EXPECT_EQ(asked, (std::vector<std::set<int>>{{0, 1, 2}, {0}}));
-  const VelocityChoice none = choose_velocities(before, {1, 2}, identifying::numbers.velocity_gain, look);
+  EXPECT_EQ(asked, (std::vector<std::set<JointIndex>>{{{0}, {1}, {2}}, {{0}}}));
+  const VelocityChoice none = choose_velocities(before, {{1}, {2}}, identifying::numbers.velocity_gain, look);
   EXPECT_TRUE(none.better.empty());
   EXPECT_FALSE(none.fit.has_value());
   EXPECT_FALSE(choose_velocities(before, {}, identifying::numbers.velocity_gain, look).fit.has_value());

@@ -39,13 +39,13 @@ TEST(Planar2R, TipAndJacobianAreTheClosedForm) {
   const Model arm = planar_2r();
   const double l = kPlanarLength1;
   const Eigen::Vector2d q(0.3, -1.1);
-  const Eigen::Matrix4d T = frame_pose(arm, q, 1).matrix();
+  const Eigen::Matrix4d T = frame_pose(arm, q, {1}).matrix();
   EXPECT_TRUE(
       near(T.col(3), Eigen::Vector4d(l * std::cos(0.3), 0, l * std::sin(0.3), 1), kRounding));
   EXPECT_TRUE(near(T.col(0), Eigen::Vector4d(std::cos(-0.8), 0, std::sin(-0.8), 0), kRounding));
   MatrixXd J(6, 2);  // the joints turn about -y of the world
   J << -l * std::sin(0.3), 0, 0, 0, l * std::cos(0.3), 0, 0, 0, -1, -1, 0, 0;
-  EXPECT_TRUE(near(frame_jacobian(arm, q, 1), J, kRounding));
+  EXPECT_TRUE(near(frame_jacobian(arm, q, {1}), J, kRounding));
 }
 
 // DH numbers by their definition, four elementary transforms.
@@ -68,7 +68,7 @@ TEST(Dh, BothConventionsEqualTheirFourElementaryTransforms) {
       const Posed row =
           convention == DhConvention::kStandard ? screw_z * screw_x : screw_x * screw_z;
       const Posed T = turn(rotation_z(q)) * row;
-      const Eigen::Matrix4d pose = frame_pose(builder.build(), VectorXd::Constant(1, q), 1).matrix();
+      const Eigen::Matrix4d pose = frame_pose(builder.build(), VectorXd::Constant(1, q), {1}).matrix();
       EXPECT_TRUE(near(pose.col(3).head<3>(), Eigen::Vector3d(T.p.x, T.p.y, T.p.z), kRounding));
       EXPECT_TRUE(near(pose.row(0).head<3>(),
                        Eigen::RowVector3d(T.R.row0.x, T.R.row0.y, T.R.row0.z), kRounding));
@@ -84,7 +84,7 @@ TEST_P(KinematicsOnEverySampleArm, PosesAreProductsOfHomogeneousMatrices) {
     for (int k = 0; k < frames(); ++k) {
       Eigen::Matrix4d expected;
       for (int i = 0; i < 16; ++i) expected(i / 4, i % 4) = T_world[k][i / 4][i % 4];
-      EXPECT_TRUE(near(frame_pose(arm(), s.q, k).matrix(), expected, 100 * kRounding)) << "frame " << k;
+      EXPECT_TRUE(near(frame_pose(arm(), s.q, {k}).matrix(), expected, 100 * kRounding)) << "frame " << k;
     }
   }
 }
@@ -92,11 +92,11 @@ TEST_P(KinematicsOnEverySampleArm, PosesAreProductsOfHomogeneousMatrices) {
 TEST_P(KinematicsOnEverySampleArm, JacobianMatchesCentralDifferencesOfThePose) {
   for (const State& s : test_states(joints(), 52)) {
     for (int k = 0; k < frames(); ++k) {
-      const MatrixXd J = frame_jacobian(arm(), s.q, k);
+      const MatrixXd J = frame_jacobian(arm(), s.q, {k});
       for (int i = 0; i < joints(); ++i) {
         const VectorXd step = kStep * VectorXd::Unit(joints(), i);
-        const VectorXd v = twist(frame_pose(arm(), s.q + step, k).matrix(), frame_pose(arm(), s.q - step, k).matrix(),
-                                 frame_pose(arm(), s.q, k).matrix());
+        const VectorXd v = twist(frame_pose(arm(), s.q + step, {k}).matrix(), frame_pose(arm(), s.q - step, {k}).matrix(),
+                                 frame_pose(arm(), s.q, {k}).matrix());
         EXPECT_TRUE(near(J.col(i), v, kDifferenceError)) << "frame " << k << ", coordinate " << i;
       }
     }
@@ -106,9 +106,9 @@ TEST_P(KinematicsOnEverySampleArm, JacobianMatchesCentralDifferencesOfThePose) {
 TEST_P(KinematicsOnEverySampleArm, JacobianRateMatchesCentralDifferencesOfTheJacobian) {
   for (const State& s : test_states(joints(), 53)) {
     for (int k = 0; k < frames(); ++k) {
-      const MatrixXd ahead = frame_jacobian(arm(), s.q + kStep * s.dq, k);
-      const MatrixXd behind = frame_jacobian(arm(), s.q - kStep * s.dq, k);
-      const MatrixXd dJ = frame_jacobian_rate(arm(), s.q, s.dq, k);
+      const MatrixXd ahead = frame_jacobian(arm(), s.q + kStep * s.dq, {k});
+      const MatrixXd behind = frame_jacobian(arm(), s.q - kStep * s.dq, {k});
+      const MatrixXd dJ = frame_jacobian_rate(arm(), s.q, s.dq, {k});
       EXPECT_TRUE(near(dJ, (ahead - behind) / (2 * kStep),
                        kDifferenceError * (1 + s.dq.squaredNorm() * s.dq.norm())))
           << "frame " << k;
@@ -120,10 +120,10 @@ TEST(Kinematics, WrongSizesAndFramesAreNamed) {
   const Model arm = elbow_6r();
   const VectorXd six = VectorXd::Zero(6);
   const VectorXd five = VectorXd::Zero(5);
-  EXPECT_THROW(frame_pose(arm, five, 0), InvalidInput);
-  EXPECT_THROW(frame_pose(arm, six, 6), InvalidInput);
-  EXPECT_THROW(frame_jacobian(arm, six, -1), InvalidInput);
-  EXPECT_THROW(frame_jacobian_rate(arm, six, five, 0), InvalidInput);
+  EXPECT_THROW(frame_pose(arm, five, {0}), InvalidInput);
+  EXPECT_THROW(frame_pose(arm, six, {6}), InvalidInput);
+  EXPECT_THROW(frame_jacobian(arm, six, {-1}), InvalidInput);
+  EXPECT_THROW(frame_jacobian_rate(arm, six, five, {0}), InvalidInput);
 }
 
 }  // namespace

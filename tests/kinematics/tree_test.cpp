@@ -17,7 +17,7 @@ TEST_P(TreeOnEverySampleArm, SupportsOfALinkAreTheCoordinatesThatMoveIt) {
     for (const Link& link : tree.links) {
       std::vector<int> expected;
       for (int i = 0; i < joints(); ++i) {
-        if (arm().moves(link.frame, i)) expected.push_back(i);
+        if (arm().moves({link.frame}, {i})) expected.push_back(i);
       }
       std::vector<int> movers;
       for (int m = link.first_support; m < link.end_support; ++m) {
@@ -42,7 +42,7 @@ TEST_P(TreeOnEverySampleArm, BodiesOfTheTreeAreInTheOrderOfTheModel) {
   const Tree tree(arm());
   ASSERT_EQ(tree.body_links.size(), arm().bodies().size());
   for (size_t b = 0; b < tree.body_links.size(); ++b) {
-    EXPECT_EQ(tree.links[tree.body_links[b]].frame, arm().bodies()[b]);
+    EXPECT_EQ(tree.links[tree.body_links[b]].frame, arm().bodies()[b].value);
     EXPECT_EQ(tree.links[tree.body_links[b]].body, static_cast<int>(b));
   }
 }

@@ -62,7 +62,7 @@ TEST(JointSensors, AModelWithoutErrorsChangesNoValue) {
 TEST(JointSensors, TorqueLimitsHoldUnderCrosstalkForEverySign) {
   std::vector<RecordedChannel> channels(3);
   channels[0].torque_gain = 1.25;
-  channels[1].torque_crosstalk = {{0, -0.15}};
+  channels[1].torque_crosstalk = {{{0}, -0.15}};
   const JointSensors sensors(channels);
   const Eigen::Vector3d largest(10.0, 1.0, 3.0);
   const VectorXd most = sensors.largest_true_torques(largest);
@@ -84,8 +84,8 @@ TEST(JointSensors, TorqueLimitsHoldUnderCrosstalkForEverySign) {
 // Gain, then crosstalk, then delay are taken off in this order, and put on in the other.
 TEST(JointSensors, CrosstalkAndGainAreInvertible) {
   ModelDescription d = wrong_arm().description();
-  d.coordinates[1].recorded.torque_crosstalk = {{0, 0.5}, {2, -0.1}};
-  d.coordinates[2].recorded.torque_crosstalk = {{1, 0.2}};
+  d.coordinates[1].recorded.torque_crosstalk = {{{0}, 0.5}, {{2}, -0.1}};
+  d.coordinates[2].recorded.torque_crosstalk = {{{1}, 0.2}};
   const Model arm(std::move(d));
   const JointSensors sensors(read_yaml(to_yaml(arm), "again"));
   const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
@@ -108,19 +108,19 @@ TEST(JointSensors, CrosstalkAndGainAreInvertible) {
 
 TEST(JointSensors, CrosstalkRefersToTheSameJointAfterAnotherIsFixed) {
   ModelDescription d = read_model("psm-3dof").description();
-  d.coordinates[1].recorded.torque_crosstalk = {{2, -0.1}};
+  d.coordinates[1].recorded.torque_crosstalk = {{{2}, -0.1}};
   const Model arm(std::move(d));
   const Model held = with_fixed(arm, {{"yaw", 0.3}});
-  EXPECT_EQ(held.coordinates()[0].recorded.torque_crosstalk, (std::map<int, double>{{1, -0.1}}));
+  EXPECT_EQ(held.coordinates()[0].recorded.torque_crosstalk, (std::map<JointIndex, double>{{{1}, -0.1}}));
   EXPECT_THROW(with_fixed(arm, {{"insertion", 0.1}}), InvalidInput);
 }
 
 TEST(JointSensors, SingularCrosstalkIsRefused) {
   std::vector<RecordedChannel> both(2);
-  both[0].torque_crosstalk = {{1, 2.0}};
-  both[1].torque_crosstalk = {{0, 0.5}};
+  both[0].torque_crosstalk = {{{1}, 2.0}};
+  both[1].torque_crosstalk = {{{0}, 0.5}};
   EXPECT_THROW(JointSensors{both}, InvalidInput);
-  both[1].torque_crosstalk = {{1, 0.5}};
+  both[1].torque_crosstalk = {{{1}, 0.5}};
   EXPECT_THROW(JointSensors{both}, InvalidInput);
 }
 
@@ -139,8 +139,8 @@ TEST(JointSensors, ADelayIsAppliedAndCorrected) {
   EXPECT_DOUBLE_EQ(q(7, 1), 0.1);
   const auto recorded = [&](Eigen::Index k) { return tau(k, 1); };
   for (int k = 1; k < kRows - 3; ++k)  // what is recorded of row 0 is what was before
-    EXPECT_NEAR(sensors.torque_at(1, k, kRows, kStep, recorded), 1.25 * time[k], 1e-12);
-  EXPECT_DOUBLE_EQ(sensors.torque_at(1, kRows - 1, kRows, kStep, recorded), tau(kRows - 1, 1));
+    EXPECT_NEAR(sensors.torque_at({1}, k, kRows, kStep, recorded), 1.25 * time[k], 1e-12);
+  EXPECT_DOUBLE_EQ(sensors.torque_at({1}, kRows - 1, kRows, kStep, recorded), tau(kRows - 1, 1));
 }
 
 TEST(JointSensors, EveryErrorIsDescribedInASentence) {

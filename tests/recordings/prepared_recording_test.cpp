@@ -76,7 +76,7 @@ TEST_F(Prepared, AChangedSettingPreparesTheRecordingAgain) {
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.filtering = Filtering::kSignals; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.signal_cutoff_ratio = 2.0; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.velocity = VelocitySource::kDerived; })), 1);
-  EXPECT_EQ(prepared(arm_, with([](auto& o) { o.derive_velocity_of = {1}; })), 1);
+  EXPECT_EQ(prepared(arm_, with([](auto& o) { o.derive_velocity_of = {{1}}; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.stale_rows = StaleRows::kKept; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.rate = 50.0; })), 1);
   EXPECT_EQ(prepared(arm_, with([](auto& o) { o.drop_start = 2.0; })), 1);
@@ -108,22 +108,22 @@ TEST_F(Prepared, ARecordingBeyondTheMemoryBoundIsPreparedInEveryPass) {
 
 TEST(VelocityTrust, AWrongVelocityIsNotListedAsDoubtfulToo) {
   RecordingQuality quality;
-  const auto add = [&quality](const char* finding, int joint, Severity severity) {
+  const auto add = [&quality](QualityKind kind, JointIndex joint, Severity severity) {
     QualityFinding f;
-    f.finding = finding;
+    f.kind = kind;
     f.joint = joint;
     f.severity = severity;
     quality.findings.push_back(f);
   };
-  add("velocity_scale", 1, Severity::kWarning);
-  add("velocity_noise", 1, Severity::kInfo);
-  add("velocity_noise", 2, Severity::kInfo);
-  add("velocity_quantised", 3, Severity::kInfo);  // right on average
-  add("velocity_delay", 4, Severity::kWarning);
-  add("saturation", 5, Severity::kFault);
+  add(QualityKind::kVelocityScale, {0}, Severity::kWarning);
+  add(QualityKind::kVelocityNoise, {0}, Severity::kInfo);
+  add(QualityKind::kVelocityNoise, {1}, Severity::kInfo);
+  add(QualityKind::kVelocityQuantised, {2}, Severity::kInfo);  // right on average
+  add(QualityKind::kVelocityDelay, {3}, Severity::kWarning);
+  add(QualityKind::kSaturation, {4}, Severity::kFault);
   const VelocityTrust trust = trust_in_velocities({quality});
-  EXPECT_EQ(trust.wrong, (std::set<int>{0, 3}));
-  EXPECT_EQ(trust.doubtful, (std::set<int>{1}));
+  EXPECT_EQ(trust.wrong, (std::set<JointIndex>{{0}, {3}}));
+  EXPECT_EQ(trust.doubtful, (std::set<JointIndex>{{1}}));
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(QualityJson, EveryFindingIsListedPerRecordingAndInTotal) {
   quality.file = "a.csv";
   QualityFinding finding;
   finding.file = "a.csv";
-  finding.finding = "stale_rows";
+  finding.kind = QualityKind::kStaleRows;
   finding.share = 0.13;
   finding.value = std::nan("");
   finding.severity = Severity::kWarning;

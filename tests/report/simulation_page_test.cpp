@@ -65,7 +65,7 @@ Replay stopped_replay(const ReplayInput& in, Eigen::Index rows) {
   r.run.tau = in.tau.topRows(rows);
   r.run.status = StepStatus::kNotFinite;
   r.run.stopped_at = 7.25;
-  r.run.joint = 1;
+  r.run.joint = JointIndex{1};
   r.gains.p = r.gains.i = r.gains.d = VectorXd::Ones(2);
   r.torque_error = VectorXd::Constant(2, 0.0321);
   r.inverse_error = VectorXd::Constant(2, 0.0287);

@@ -93,7 +93,7 @@ class Fragile final : public Engine {
   double time() const override { return plant_.time(); }
   const VectorXd& q() const override { return plant_.q(); }
   const VectorXd& dq() const override { return plant_.dq(); }
-  std::optional<int> failed_joint() const override { return 1; }
+  std::optional<JointIndex> failed_joint() const override { return JointIndex{1}; }
   const std::vector<std::string>& left_out() const override { return plant_.left_out(); }
 
  private:
@@ -107,7 +107,7 @@ TEST(ControlLoop, AStoppedRunKeepsItsRowsAndReportsTimeAndJoint) {
   loop.gains = sensible_gains(arm);
   const EngineRun run = run_with_pid(engine, arm, held(VectorXd::Zero(2), 3.0), loop);
   EXPECT_FALSE(run.complete());
-  EXPECT_EQ(run.joint, 1);
+  EXPECT_EQ(run.joint, JointIndex{1});
   EXPECT_NEAR(run.stopped_at, 1.0, 1e-9);
   EXPECT_EQ(run.motion.rows(), 201);  // the row at 1 s was still sound
   EXPECT_TRUE(run.motion.q.allFinite());

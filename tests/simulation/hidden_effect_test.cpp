@@ -139,8 +139,8 @@ TEST(HiddenEffect, DhNumbersAndEncoderZerosCanBeChanged) {
   const Model wrist = plausible_model(read_model("psm-wrist"), 1).arm;
   const PerturbedArm ratio =
       inject_effects(wrist, {parse_hidden_effect("coupling_error:wrist_pitch.ratio of pitch_motor:change=0.5")});
-  const int k = wrist.find_frame("wrist_pitch");
-  const int i = wrist.find_coordinate("pitch_motor");
+  const int k = wrist.find_frame("wrist_pitch")->value;
+  const int i = wrist.find_coordinate("pitch_motor")->value;
   EXPECT_NEAR(ratio.arm.frames()[k].variable.coefficients[i],
               wrist.frames()[k].variable.coefficients[i] + 0.5, 1e-12);
 }
@@ -150,7 +150,7 @@ TEST(HiddenEffect, NumbersOfAFrameOriginCanBeChanged) {
   ModelDescription d = plausible_model(read_model("planar-2r"), 1).arm.description();
   for (Frame& frame : d.frames) frame.dh.reset();
   const Model arm(std::move(d));
-  const int k = arm.find_frame("fore");
+  const FrameIndex k = *arm.find_frame("fore");
   const PerturbedArm shifted = inject_effects(arm, {parse_hidden_effect("coupling_error:fore.y:change=0.02")});
   const VectorXd q = VectorXd::Zero(2);
   const Eigen::Vector3d way =

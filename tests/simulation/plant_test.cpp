@@ -160,7 +160,7 @@ TEST(Plant, ANonFiniteTorqueStopsItAndNamesTheJoint) {
   ASSERT_EQ(plant.step(tau, kStep), StepStatus::kOk);
   tau[1] = std::nan("");
   EXPECT_EQ(plant.step(tau, kStep), StepStatus::kNotFinite);
-  EXPECT_EQ(plant.failed_joint(), 1);
+  EXPECT_EQ(plant.failed_joint(), JointIndex{1});
   EXPECT_TRUE(plant.q().allFinite());
   EXPECT_EQ(plant.time(), kStep);
   tau[1] = 1e308;  // overflows within the step

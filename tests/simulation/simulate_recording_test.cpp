@@ -21,7 +21,7 @@ TEST(SimulateRecording, IdealTorquesAreInverseDynamicsPlusEffects) {
           inverse_dynamics(arm, s.measured.q.row(k).transpose(), s.measured.dq.row(k).transpose(),
                            s.measured.ddq.row(k).transpose());
       for (const EffectTerm& term : arm.effects()) {
-        const int i = main_coordinate(term.axis);
+        const int i = main_coordinate(term.axis).value;
         const double v = s.measured.dq(k, i);
         if (term.effect == "rotor_inertia")
           tau[i] += term.values.at("inertia") * s.measured.ddq(k, i);

@@ -77,7 +77,7 @@ Energy<S> energy(const Model& arm, const std::vector<S>& q, const std::vector<S>
   for (size_t i = 0; i < q.size(); ++i) path[i] = {q[i], dq[i]};
   const std::vector<Homogeneous<Dual<S>>> T_world = world_poses(arm, path);
   Energy<S> sum{S(0.0), S(0.0)};
-  for (const int k : arm.bodies()) {
+  for (const auto [k] : arm.bodies()) {
     const InertialParameters& phi = *arm.frames()[k].body->phi;
     const double half_trace = 0.5 * (phi[4] + phi[6] + phi[9]);
     // clang-format off

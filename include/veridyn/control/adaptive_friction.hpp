@@ -47,7 +47,7 @@ class AdaptiveFriction {
   /// @param missing  (n) torque that is missing beyond the compensation by `friction`:
   /// ModelErrorObserver::missing(), while the arm touches nothing. @param dt [s].
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  void update(const ArmState& arm, const VectorXd& missing, double dt,
+  void update(const ArmState& arm, const VectorRef& missing, double dt,
               FrictionCompensation& friction) noexcept;
 
   /// k: the compensated share of the identified friction.

@@ -36,7 +36,7 @@ class ArmState {
   /// @param q, dq  n entries each, true positions and velocities: [rad], [m] where a joint is
   /// prismatic. Debug builds assert the sizes; another size is undefined in release builds, as in
   /// every update() of this library.
-  void update(const VectorXd& q, const VectorXd& dq) noexcept;
+  void update(const VectorRef& q, const VectorRef& dq) noexcept;
 
   int joints() const { return tip_.joints(); }
   const VectorXd& q() const { return q_; }

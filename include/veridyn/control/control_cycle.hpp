@@ -94,14 +94,14 @@ class ControlCycle {
   const ArmState& measure(const Measured& measured, double dt) noexcept;
 
   /// Sets the torque of the law (n) [N m], [N].
-  void command(const VectorXd& tau) noexcept { tau_ = tau; }
+  void command(const VectorRef& tau) noexcept { tau_ = tau; }
   /// Sets the positions (n) with which the supervisor compares the measured ones in this cycle.
-  void set_wanted_positions(const VectorXd& q_wanted) noexcept { input_.q_wanted = q_wanted; }
+  void set_wanted_positions(const VectorRef& q_wanted) noexcept { input_.q_wanted = q_wanted; }
   /// Adds FrictionCompensation::update() with these arguments to the command.
-  void add_friction(const VectorXd& dq_wanted, const VectorXd& error) noexcept;
+  void add_friction(const VectorRef& dq_wanted, const VectorRef& error) noexcept;
   /// Adds the torque of ModelErrorObserver to the command; without this call the cycle clears the observer.
   /// @param y  (n) acceleration that the torque would cause if the model were exact.
-  void add_model_error(const VectorXd& y) noexcept;
+  void add_model_error(const VectorRef& y) noexcept;
   /// Replaces the command of this cycle by gravity compensation and a little damping, so that the arm yields.
   /// Clears the observer.
   void command_gravity_compensation() noexcept;
@@ -111,7 +111,7 @@ class ControlCycle {
 
   /// Sets the torques (n) that the drives produced, in their scale. Call it before the next cycle if the result
   /// of send() is limited further.
-  void set_sent_torques(const VectorXd& drive_torques) noexcept;
+  void set_sent_torques(const VectorRef& drive_torques) noexcept;
 
   /// The supervisor brakes the arm and holds it where it stops, until resume(). Returns false, and does
   /// nothing, during a fault or without a supervisor.

@@ -67,7 +67,7 @@ class FrictionCompensation {
   /// @returns (n), valid until the next update(); to be added to the torque. Zero, without a change of state,
   /// if the arm's state is NaN or infinite.
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  const VectorXd& update(const ArmState& arm, const VectorXd& dq_wanted, const VectorXd& error,
+  const VectorXd& update(const ArmState& arm, const VectorRef& dq_wanted, const VectorRef& error,
                          double dt) noexcept;
 
   /// Sets position and load of the axes for sliding() alone; memories and tanks are unchanged.

@@ -20,7 +20,7 @@ class GravityCompensation {
 
   /// @param q  (n), true positions: see JointSensors. @returns tau (n), valid until the next update().
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  const VectorXd& update(const VectorXd& q) noexcept;
+  const VectorXd& update(const VectorRef& q) noexcept;
 
  private:
   RigidBodyDynamics dynamics_;

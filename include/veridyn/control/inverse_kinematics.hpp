@@ -7,8 +7,15 @@ namespace veridyn {
 
 enum class ReachStatus {
   kReached,
-  kNotReached  ///< out of reach, beyond the joints' limits, or not reachable from this start
+  kNotReached,  ///< out of reach, beyond the joints' limits, or not reachable from this start
+  // Closed forms know more.
+  kOutsideLimits,  ///< reached, but at least one joint is outside of its limits
+  kSingular,       ///< reached; the pose does not determine some joints
+  kOutOfReach
 };
+
+/// The status as text: "not reached".
+const char* name_of(ReachStatus status);
 
 struct InverseKinematicsOptions {
   TaskRows rows = TaskRows::kPosition;
@@ -43,9 +50,9 @@ class InverseKinematics {
   double angle_error() const { return angle_error_; }  ///< [rad] remaining after the last solve()
 
  private:
-  double measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R, const VectorXd& q,
+  double measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R, const VectorRef& q,
                  Vector6d& e) noexcept;  ///< sets e and both errors; @returns one number for both
-  void step(const Vector6d& e, const VectorXd& q) noexcept;  ///< sets move_ to a damped step of at most longest_step
+  void step(const Vector6d& e, const VectorRef& q) noexcept;  ///< sets move_ to a damped step of at most longest_step
   bool reached() const;  ///< both errors are within their tolerances
 
   InverseKinematicsOptions options_;

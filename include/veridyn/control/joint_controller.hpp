@@ -75,7 +75,7 @@ class JointController {
   JointReference reference_at(const Measured& measured) const;
 
   /// Calls ControlCycle::set_sent_torques().
-  void set_sent_torques(const VectorXd& drive_torques) noexcept { cycle_.set_sent_torques(drive_torques); }
+  void set_sent_torques(const VectorRef& drive_torques) noexcept { cycle_.set_sent_torques(drive_torques); }
 
   bool hold() noexcept { return cycle_.hold(); }   ///< see ControlCycle::hold()
   void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()

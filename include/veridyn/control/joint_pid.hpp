@@ -24,8 +24,8 @@ class JointPid {
   JointPid(const PidGains& gains, const PidLimits& limits = {});
 
   /// Computes tau (n). All vectors are stored ones of n entries. @param dt  [s] since the previous call.
-  void torques(const VectorXd& q, const VectorXd& dq, const VectorXd& wanted_q,
-               const VectorXd& wanted_dq, double dt, VectorXd& tau) noexcept;
+  void torques(const VectorRef& q, const VectorRef& dq, const VectorRef& wanted_q,
+               const VectorRef& wanted_dq, double dt, VectorXd& tau) noexcept;
   void reset() noexcept { integral_.setZero(); }
 
  private:

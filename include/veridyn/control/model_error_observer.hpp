@@ -39,15 +39,15 @@ class ModelErrorObserver {
   /// update(). @returns d (n), to be added to the torque; unchanged if an input is not finite
   /// or dt is below zero.
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
+  const VectorXd& update(const ArmState& arm, const VectorRef& y, double dt) noexcept;
 
   /// Call it after update(), again whenever the torques of its cycle are known better.
   /// @param asked  (n) torque that would cause y. @param sent  (n) torque that the motors received, after all
   /// limits. Without a call the two are assumed to be equal.
-  void set_sent_torques(const VectorXd& asked, const VectorXd& sent) noexcept;
+  void set_sent_torques(const VectorRef& asked, const VectorRef& sent) noexcept;
 
   /// Sets limits for the next update(); false for limits that the constructor would refuse.
-  bool set_limit(const VectorXd& limit) noexcept;
+  bool set_limit(const VectorRef& limit) noexcept;
 
   /// Clears the estimate: after a fault, or before the motors are switched on.
   void reset() noexcept;

@@ -44,7 +44,7 @@ class MomentumObserver {
   /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N]; it restarts if a number is
   /// not finite or dt is below zero.
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  const VectorXd& update(const ArmState& arm, const VectorXd& tau_motor, const VectorXd& ddq,
+  const VectorXd& update(const ArmState& arm, const VectorRef& tau_motor, const VectorRef& ddq,
                          double dt) noexcept;
 
   void reset() noexcept;  ///< sets r, threshold and force to zero, ends a contact, and restarts with the next update()

@@ -18,11 +18,11 @@ class QuinticInterpolator {
   explicit QuinticInterpolator(const VectorRef& x);
 
   /// Sets the point to x, at rest; no change if x has another size or an entry that is not finite.
-  void reset(const VectorXd& x) noexcept;
+  void reset(const VectorRef& x) noexcept;
 
   /// Moves to `goal`, to arrive at rest after `duration` [s]. False, without a change, if the goal has
   /// another size or an entry that is not finite, or if the duration is not above zero.
-  bool move_to(const VectorXd& goal, double duration) noexcept;
+  bool move_to(const VectorRef& goal, double duration) noexcept;
 
   /// Stops within `duration` [s], at a goal that is velocity * duration / 2 ahead of the present position. False as move_to().
   bool stop(double duration) noexcept;

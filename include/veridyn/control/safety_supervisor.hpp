@@ -108,7 +108,7 @@ struct SafetyInput {
 /// One detected fault.
 struct SafetyEvent {
   SafetyFault fault = SafetyFault::kNone;
-  std::optional<int> joint = {};  ///< joint index from 0
+  std::optional<JointIndex> joint = {};
   double after = 0.0;  ///< [s] time since the first fault
 };
 
@@ -137,17 +137,17 @@ class SafetySupervisor {
   /// @param tau  (n) torques of the controller. @returns (n) torques for the motors, always finite and within
   ///   limits.
   const VectorXd& update(const ArmState& arm, const SafetyInput& input,
-                         const VectorXd& tau) noexcept;
+                         const VectorRef& tau) noexcept;
 
   /// Sets the torque (n) in addition to the model's that holds the arm (ModelErrorObserver::torque()), for
   /// kFreeze and kHold; ignored once there is a fault. Entries that are not finite count as zero; at a fault
   /// each entry is limited as described at SafetyLimits::model_error.
-  void set_holding_torque(const VectorXd& extra) noexcept;
+  void set_holding_torque(const VectorRef& extra) noexcept;
 
   SafetyState state() const { return state_; }
   SafetyFault fault() const { return fault_; }
   SafetyAction action() const { return action_; }
-  std::optional<int> joint() const { return joint_; }  ///< joint of the fault, from 0
+  std::optional<JointIndex> joint() const { return joint_; }  ///< joint of the fault
 
   /// Faults in the order of detection, each kind once; [0] is the first.
   int events() const { return events_; }
@@ -156,19 +156,19 @@ class SafetySupervisor {
  private:
   struct Finding {
     SafetyFault fault = SafetyFault::kNone;
-    std::optional<int> joint = {};
+    std::optional<JointIndex> joint = {};
   };
-  Finding check(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< the first fault found
+  Finding check(const ArmState& arm, const SafetyInput& input, const VectorRef& tau) noexcept;  ///< the first fault found
   Finding check_sensors(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< values that are not finite, old samples
   Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;  ///< cycle time, and range, speed and tracking of each joint
-  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorXd& tau) noexcept;  ///< finite and not saturated for too long; adds to saturated_
+  Finding check_motors(const ArmState& arm, const SafetyInput& input, const VectorRef& tau) noexcept;  ///< finite and not saturated for too long; adds to saturated_
   Finding check_force(const SafetyInput& input) noexcept;  ///< sensor, size and disagreement; adds to disagreed_
   Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;  ///< a fault of an arm that does not stop
   bool is_at_rest(const ArmState& arm) const noexcept;  ///< all joints are slower than rest_share of their limits
   void record_finding(const Finding& found) noexcept;  ///< one event per kind of fault
   void store_valid_state(const ArmState& arm, const SafetyInput& input) noexcept;  ///< positions, momentum and load, for kFreeze
   void keep_holding_torque() noexcept;  ///< limits extra_ and sets frozen_, at a fault
-  void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;  ///< sets out_ by the action
+  void act(const ArmState& arm, const VectorRef& tau, double dt) noexcept;  ///< sets out_ by the action
   void brake(const ArmState& arm) noexcept;  ///< sets out_ to brake, then to hold
 
   SafetyLimits limits_;
@@ -178,7 +178,7 @@ class SafetySupervisor {
   SafetyState state_ = SafetyState::kDisabled;
   SafetyFault fault_ = SafetyFault::kNone;
   SafetyAction action_ = SafetyAction::kMotorsOff;
-  std::optional<int> joint_ = {};
+  std::optional<JointIndex> joint_ = {};
   bool seen_ = false;     // a valid position has been received
   bool stopped_ = false;  // while holding: q_hold_ is the position held
   double disagreed_ = 0.0;

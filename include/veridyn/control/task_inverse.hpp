@@ -59,11 +59,11 @@ class TaskInverse {
   void update(const MatrixXd& J) noexcept;
 
   /// Computes y (n) from a (first `rows` entries used) and a posture y0 (n).
-  void solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept;
+  void solve(const Vector6d& a, const VectorRef& y0, VectorXd& y) noexcept;
 
   /// The wrench that balances joint torques, J' h = tau in the least-squares sense: h = J#' tau, first `rows`
   /// entries; it remains small in singular directions. Other entries are zero.
-  void solve_wrench(const VectorXd& tau, Vector6d& h) noexcept;
+  void solve_wrench(const VectorRef& tau, Vector6d& h) noexcept;
 
   /// Holds coordinate i: from the next update() on its column counts as zero, until release().
   void hold(int i) noexcept { held_[i] = 1; }

@@ -62,7 +62,7 @@ class TipController {
   /// Gains of the next update(); false for gains that the constructor would refuse.
   bool set_gains(const ImpedanceGains& gains) noexcept { return impedance_.set_gains(gains); }
   /// Calls ControlCycle::set_sent_torques().
-  void set_sent_torques(const VectorXd& drive_torques) noexcept { cycle_.set_sent_torques(drive_torques); }
+  void set_sent_torques(const VectorRef& drive_torques) noexcept { cycle_.set_sent_torques(drive_torques); }
 
   bool hold() noexcept { return cycle_.hold(); }   ///< see ControlCycle::hold()
   void limp() noexcept { cycle_.limp(); }          ///< gravity compensation and a little damping, until resume()

@@ -33,7 +33,7 @@ class TipKinematics {
 
   /// @param q, dq  n entries each, true positions: see JointSensors.
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  void update(const VectorXd& q, const VectorXd& dq) noexcept;
+  void update(const VectorRef& q, const VectorRef& dq) noexcept;
 
   int joints() const { return motion_.joints(); }
 

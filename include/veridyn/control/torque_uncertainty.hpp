@@ -36,7 +36,7 @@ class TorqueUncertainty {
 
   /// @param ddq  (n) wanted acceleration. @returns u (n) [N m], [N].
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  const VectorXd& update(const ArmState& arm, const VectorXd& ddq) noexcept;
+  const VectorXd& update(const ArmState& arm, const VectorRef& ddq) noexcept;
 
   const VectorXd& torque() const { return u_; }
 

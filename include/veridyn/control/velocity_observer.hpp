@@ -27,7 +27,7 @@ class VelocityObserver {
   /// new sample has arrived, and the velocity is extrapolated. Nothing changes if dt is not finite or not
   /// above zero.
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
+  const VectorXd& update(const VectorRef& q, const VectorRef& ddq, double dt) noexcept;
 
   /// Restarts with the next position.
   void reset() noexcept;

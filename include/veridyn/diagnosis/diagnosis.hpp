@@ -186,8 +186,7 @@ struct DiagnosisSummary {
   int main = 0;  ///< number of findings that together explain nine tenths of the error; they come first
   double explained_by_main = 0.0;  ///< share of the removable held-out error
   double explained_by_all = 0.0;
-  std::vector<int> worse_joints;   ///< from 1: their held-out error is larger with the extended model
-                                   ///< than with the baseline
+  std::vector<JointIndex> worse_joints;  ///< their held-out error is larger with the extended model than with the baseline
 };
 
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
@@ -202,9 +201,9 @@ struct Diagnosis {
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
   std::vector<JointVerdict> joints;  ///< one for each
-  /// Groups of joints, from 0, whose positions are collinear in all training recordings:
+  /// Groups of joints whose positions are collinear in all training recordings:
   /// dependences on one of them cannot be separated from the others.
-  std::vector<std::vector<int>> moving_as_one;
+  std::vector<std::vector<JointIndex>> moving_as_one;
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;

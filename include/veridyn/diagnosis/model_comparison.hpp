@@ -28,17 +28,28 @@ struct ComparedModel {
   std::string note;  ///< reason for which statistics of the file are not used; empty otherwise
 };
 
+/// The part of a robot file that differs. Models of one arm agree in kRobot, and constants are part of the geometry.
+enum class StructureKind { kRobot, kEffect, kBody, kShape, kGeometry, kConstant, kGravity, kDriveGain, kFacts };
+
+/// The kind's name in files: "effect", "drive_gain".
+const char* name_of(StructureKind kind);
+
 /// A difference between the two files that is not one of values.
 struct StructureDifference {
-  std::string kind;      ///< "effect", "body", "shape", "geometry", "gravity", "drive_gain" or "facts"
+  StructureKind kind = StructureKind::kEffect;
   std::string sentence;  ///< whole sentence for the user
 };
 
+/// A property of a joint's torque over standard_motion(), see ModelComparison::joints; kParameter: a base parameter or a
+/// parameter of an effect.
+enum class ComparedQuantity { kFriction, kOffset, kWeight, kWeightSlope, kInertia, kParameter };
+
+/// The quantity's name in files: "weight_slope".
+const char* name_of(ComparedQuantity quantity);
+
 /// A quantity of both models, with the statistics of its difference.
 struct ModelDifference {
-  /// "friction", "offset", "weight", "weight_slope" or "inertia" of a joint over standard_motion(),
-  /// see ModelComparison::joints; "parameter" for base parameters and parameters of effects.
-  std::string quantity;
+  ComparedQuantity quantity = ComparedQuantity::kParameter;
   std::string name;        ///< leading standard parameter of the combination; else empty
   std::string expression;  ///< the combination, as `identify` writes it; else empty
   std::string unit;

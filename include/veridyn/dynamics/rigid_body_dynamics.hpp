@@ -14,7 +14,7 @@ namespace veridyn {
 
 /// A wrench that the environment exerts on the arm at the origin of a frame, written in that frame.
 struct FrameWrench {
-  int frame = 0;  ///< index in the model
+  FrameIndex frame;
   Eigen::Vector3d force{0, 0, 0};   ///< [N]
   Eigen::Vector3d moment{0, 0, 0};  ///< [N m]
 };

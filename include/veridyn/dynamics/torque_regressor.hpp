@@ -24,7 +24,7 @@ class TorqueRegressor {
 
   /// Columns of the regressor that can differ from zero for a joint: ten for each body that it
   /// moves, ascending, in 0 .. 10 * bodies - 1. See torque_regressor().
-  const std::vector<int>& columns(int joint) const { return columns_[joint]; }
+  const std::vector<int>& columns(JointIndex joint) const { return columns_[joint.value]; }
 
   /// The regressor at one state; nothing allocates. @param Y  (n x 10 bodies), of the right size.
   void evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq, MatrixXd& Y);

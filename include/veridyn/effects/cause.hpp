@@ -126,7 +126,7 @@ bool same_cause(const Cause& a, const Cause& b);
 /// The parts of a cause, for reports.
 struct CauseWords {
   std::string effect;
-  int joint = 0;           ///< number of acting_joint() from 1; 0: the whole arm
+  std::optional<JointIndex> joint;  ///< acting_joint() of the cause; nullopt: the whole arm
   std::string coordinate;  ///< name of that coordinate, or "arm"
   /// Frame of a load or of a frame's row, or the first frame that a contact can act on.
   std::string frame;

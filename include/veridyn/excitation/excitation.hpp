@@ -130,6 +130,8 @@ struct LimitMargin {
   double lower = 0.0;  ///< the limit
   double upper = 0.0;
   double margin = 0.0;  ///< distance from the nearer bound, negative if it is exceeded
+  LimitKind kind = LimitKind::kPlace;
+  std::optional<JointIndex> joint = {};  ///< nullopt: kPlace
 };
 
 /// Largest use of the limits of one joint, as shares; NaN if there is no limit, or if torques are unknown.

@@ -9,6 +9,9 @@
 
 namespace veridyn {
 
+/// Quantities with limits; kPlace: of frames and links, in space.
+enum class LimitKind { kPosition, kSpeed, kAcceleration, kStop, kTorque, kPlace };
+
 /// The origin of a frame stays within a box of the world [m]; infinite where the box is open.
 struct FrameBox {
   std::string frame;

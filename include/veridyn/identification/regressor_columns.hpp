@@ -26,8 +26,8 @@ class RegressorColumns {
   RegressorColumns(const Model& arm, const PreprocessingOptions& options);
 
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
-  const std::vector<int>& parameters_of(int joint) const {
-    return of_joint_[joint];
+  const std::vector<int>& parameters_of(JointIndex joint) const {
+    return of_joint_[joint.value];
   }
 
   /// One JointRows per joint, from the usable samples of the segment's core.
@@ -57,7 +57,7 @@ class RegressorColumns {
 
   /// True if the options exclude this instant of the joint; `excluded_intervals` in the options must belong
   /// to this recording. @param time  [s] since the recording began.
-  bool is_excluded(int joint, double time) const;
+  bool is_excluded(JointIndex joint, double time) const;
 
  private:
   std::vector<MatrixXd> raw_columns(const Segment& segment, Joints joints) const;  ///< unfiltered, (samples x parameters_of) for each joint

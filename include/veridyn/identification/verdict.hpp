@@ -8,7 +8,7 @@
 namespace veridyn {
 
 /// Share of a joint's range and speed below which its motion identifies neither friction nor inertia.
-constexpr double kHardlyMoves = 0.05;
+constexpr double kHardlyMovingShare = 0.05;
 
 /// Quality of an identification for one joint.
 enum class IdentifiedState {

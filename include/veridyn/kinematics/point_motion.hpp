@@ -4,6 +4,7 @@
 
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
 
 namespace veridyn {
 
@@ -12,9 +13,9 @@ namespace veridyn {
 /// after the constructor.
 class PointMotion {
  public:
-  /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param frame  index in the model. @param
+  /// @param arm  a tree of moving links (Tree::Keep::kMovingLinks). @param
   ///   offset  position of the point in the frame [m].
-  PointMotion(const Tree& arm, int frame, const Vec3d& offset = {0, 0, 0});
+  PointMotion(const Tree& arm, FrameIndex frame, const Vec3d& offset = {0, 0, 0});
 
   /// Computes pose, twist, Jacobian and its derivative. @param q, dq  n entries each. Cost: O(joints above the
   /// frame).

@@ -71,7 +71,7 @@ class JointSensors {
 
   /// Largest true torques for which no command exceeds `largest` [N m], [N], both (n), whatever their
   /// signs. Joints whose crosstalk would make one exceed it are limited in the same ratio. Allocates.
-  VectorXd largest_true_torques(const VectorXd& largest) const;
+  VectorXd largest_true_torques(const VectorRef& largest) const;
 
   /// Turns measured motor currents [A] into true torques by the model's drive gains. See
   /// require_drive_gains().
@@ -84,15 +84,15 @@ class JointSensors {
   void require_drive_gains(const Model& arm, const std::string& where) const;
 
   /// Delay [s] of the measured torque of a joint.
-  double torque_delay(int joint) const { return delay_[joint]; }
+  double torque_delay(JointIndex joint) const { return delay_[joint.value]; }
 
   /// The torque of sample `k` corrected for torque_delay(), from samples 0 .. count - 1 that were
   /// recorded `dt` seconds apart: linear interpolation, and the nearest sample at the ends. @param
   /// recorded  a callable: sample number -> recorded torque.
   template <typename Recorded>
-  double torque_at(int joint, Eigen::Index k, Eigen::Index count, double dt,
+  double torque_at(JointIndex joint, Eigen::Index k, Eigen::Index count, double dt,
                    const Recorded& recorded) const {
-    const double at = std::clamp(static_cast<double>(k) + delay_[joint] / dt, 0.0,
+    const double at = std::clamp(static_cast<double>(k) + delay_[joint.value] / dt, 0.0,
                                  static_cast<double>(count - 1));
     const auto low = std::max<Eigen::Index>(
         0, std::min<Eigen::Index>(static_cast<Eigen::Index>(at), count - 2));
@@ -104,7 +104,7 @@ class JointSensors {
   /// Turns a true motion and its torques into the recorded ones, (rows x n) each, delay included;
   /// torques before the first row are taken equal to the first. Allocates.
   /// @param time  (rows) [s], rising.
-  void add_errors(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const;
+  void add_errors(const VectorRef& time, MatrixXd& q, MatrixXd& tau) const;
 
   /// A sentence for every error: "the encoder of joint 'pitch' shows 0.1 rad more than there is".
   std::vector<std::string> descriptions(const Model& arm) const;

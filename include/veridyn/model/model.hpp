@@ -98,6 +98,9 @@ inline bool operator==(JointIndex a, JointIndex b) {
 inline bool operator!=(JointIndex a, JointIndex b) {
   return a.value != b.value;
 }
+inline bool operator<(JointIndex a, JointIndex b) {
+  return a.value < b.value;
+}
 inline bool operator==(FrameIndex a, FrameIndex b) {
   return a.value == b.value;
 }
@@ -131,8 +134,8 @@ struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
   double torque_delay = 0.0;     ///< [s] lag of the recorded torque
   double position_offset = 0.0;  ///< [rad] or [m] recorded position minus true position
-  /// Recorded torque per true torque of other joints, by their indices; none of its own.
-  std::map<int, double> torque_crosstalk{};
+  /// Recorded torque per true torque of other joints; none of its own.
+  std::map<JointIndex, double> torque_crosstalk{};
 };
 
 struct Coordinate {
@@ -198,22 +201,22 @@ class Model {
   /// n, the number of generalized coordinates.
   int joints() const { return static_cast<int>(description_.coordinates.size()); }
 
-  /// Indices of the frames that carry a body, in the order of their columns in the regressor.
-  const std::vector<int>& bodies() const { return bodies_; }
+  /// The frames that carry a body, in the order of their columns in the regressor.
+  const std::vector<FrameIndex>& bodies() const { return bodies_; }
 
-  /// Index of the frame with this name, or -1.
-  int find_frame(const std::string& name) const;
-  int find_coordinate(const std::string& name) const;
+  /// The frame or the coordinate with this name; nullopt: there is none.
+  std::optional<FrameIndex> find_frame(const std::string& name) const;
+  std::optional<JointIndex> find_coordinate(const std::string& name) const;
 
   /// The inertial parameters of all bodies, (10 * bodies), or nothing if one of them has no values.
   std::optional<VectorXd> inertial_values() const;
 
-  /// True if coordinate i moves frame k.
-  bool moves(int frame, int coordinate) const { return support_[frame][coordinate] != 0; }
+  /// True if the joint moves the frame.
+  bool moves(FrameIndex frame, JointIndex joint) const { return support_[frame.value][joint.value] != 0; }
 
  private:
   ModelDescription description_;
-  std::vector<int> bodies_;
+  std::vector<FrameIndex> bodies_;
   std::vector<std::vector<char>> support_;
 };
 
@@ -227,7 +230,7 @@ std::string position_unit(const Coordinate& coordinate);
 /// True if the axis' variable is in metres: main_coordinate() is prismatic.
 bool is_prismatic(const Model& arm, const Axis& axis);
 
-/// The index of the coordinate with the largest coefficient by magnitude; 0 if all are zero.
-int main_coordinate(const Axis& axis);
+/// The coordinate with the largest coefficient by magnitude; the first if all are zero.
+JointIndex main_coordinate(const Axis& axis);
 
 }  // namespace veridyn

@@ -37,7 +37,7 @@ enum class StaleRows { kFilled, kKept };
 /// errors of one joint or of all.
 struct ExcludedInterval {
   std::string source;  ///< path of the recording
-  std::optional<int> joint = {};  ///< joint index from 0; nullopt: all joints
+  std::optional<JointIndex> joint = {};  ///< nullopt: all joints
   double from = 0.0;   ///< [s] time since the recording began
   double to = 0.0;
   std::string why;
@@ -48,7 +48,7 @@ struct SampleWeights {
   std::vector<double> time;  ///< [s] time since the recording began, increasing
   MatrixXd of_joint;         ///< (times x n) >= 0
   /// The weight at the first time that is not before `seconds`; one beyond the last.
-  double at(int joint, double seconds) const;
+  double at(JointIndex joint, double seconds) const;
 };
 
 /// Options for turning a recording into samples.
@@ -61,8 +61,8 @@ struct PreprocessingOptions {
   double signal_cutoff_ratio = 3.0;
   VelocitySource velocity =
       VelocitySource::kRecorded;        ///< derived from q where the recording has none
-  /// Joints from 0 whose recorded velocity is replaced by the derivative of q.
-  std::vector<int> derive_velocity_of;
+  /// Joints whose recorded velocity is replaced by the derivative of q.
+  std::vector<JointIndex> derive_velocity_of;
   StaleRows stale_rows = StaleRows::kFilled;
   double rate = 0.0;  ///< [Hz] rate of the uniform grid; 0: one over the median time step
   double drop_start =

@@ -19,7 +19,7 @@ namespace veridyn {
 PidGains sensible_gains(const Model& arm, double frequency = 6.0);
 
 /// Gains d [N m s/rad], [N s/m] for given p: critical damping of each joint with its inertia in the middle of the range.
-VectorXd critical_damping(const Model& arm, const VectorXd& p);
+VectorXd critical_damping(const Model& arm, const VectorRef& p);
 
 /// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, one number per joint. The default of i is zero,
 /// that of d critical damping.
@@ -68,7 +68,7 @@ struct EngineRun {
   MatrixXd tau;  ///< (rows x n) motor torques [N m], [N]
   StepStatus status = StepStatus::kOk;
   double stopped_at = 0.0;  ///< [s] time of the failure if status is not kOk
-  std::optional<int> joint = {};  ///< joint that failed, from 0
+  std::optional<JointIndex> joint = {};  ///< joint that failed
 
   bool complete() const { return status == StepStatus::kOk; }
   /// Text "stopped at 1.2 s: joint insertion has ...", for a run that is incomplete.
@@ -84,7 +84,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
 
 /// Steps of one joint after the other from rest to rest, as in figure 7.3 of the thesis: quintic, 1 s each,
 /// followed by 2 s of rest; rows at 1 kHz. @param start, steps  (n) [rad], [m].
-MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps);
+MotionSamples joint_steps(const VectorRef& start, const VectorRef& steps);
 
 /// Applies recorded torques: row k from its time until that of row k + 1. Starts at the first row
 /// of `motion`, whose times are used. @throws InvalidInput  sizes differ, or fewer than two rows.

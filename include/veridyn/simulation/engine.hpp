@@ -45,7 +45,7 @@ class Engine {
   virtual double time() const = 0;  ///< [s] simulated time since set_state()
   virtual const VectorXd& q() const = 0;
   virtual const VectorXd& dq() const = 0;
-  virtual std::optional<int> failed_joint() const = 0;  ///< joint index from 0
+  virtual std::optional<JointIndex> failed_joint() const = 0;
 
   /// Effects of the model that this engine does not support, in words.
   virtual const std::vector<std::string>& left_out() const = 0;

@@ -54,7 +54,7 @@ struct PerturbedArm {
   /// Sensor errors of the simulated arm; the model keeps those that its file knows.
   JointSensors sensors;
   struct Contact {
-    int coordinate;
+    JointIndex joint;
     double from, to, effort;
   };
   std::vector<Contact> contacts;

@@ -58,7 +58,7 @@ class Plant final : public Engine {
   double time() const override;
   const VectorXd& q() const override;
   const VectorXd& dq() const override;
-  std::optional<int> failed_joint() const override;
+  std::optional<JointIndex> failed_joint() const override;
 
   /// Torques of all effects at the last evaluated instant, friction at rest included, (n): tau = M
   /// ddq + C dq + g + these.

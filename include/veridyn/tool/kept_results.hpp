@@ -19,7 +19,7 @@ class KeptResults {
   KeptResults(std::string path, const std::string& what, const std::string& command);
 
   std::optional<VectorXd> find(int part) const;  ///< numbers of this part; nullopt: not kept yet
-  void keep(int part, const VectorXd& numbers);  ///< appends them to the file; find() has only those of earlier runs. @throws InvalidInput  it cannot be written
+  void keep(int part, const VectorRef& numbers);  ///< appends them to the file; find() has only those of earlier runs. @throws InvalidInput  it cannot be written
 
  private:
   std::string path_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/tool/common_options.hpp"
 #include "veridyn/tool/file_to_write.hpp"
@@ -31,8 +32,8 @@ void add_export_command(CLI::App& tool, Outcome& outcome, const std::optional<Ex
 
 /// Arms that `kinematics` knows by another name.
 struct KinematicsExtension {
-  /// Solves for the pose of the frame "tip" and returns a status word; `q` starts at the previous row.
-  using InverseSolver = std::function<std::string(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
+  /// Solves for the pose of the frame "tip"; `q` starts at the previous row.
+  using InverseSolver = std::function<ReachStatus(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
   struct Arm {
     Model model;
     InverseSolver closed_form;

@@ -68,7 +68,7 @@ std::string chosen_frame(const Model& model, const std::string& asked) {
     return asked;
   }
   for (const char* usual : {"tip", "tool"}) {
-    if (model.find_frame(usual) >= 0) return usual;
+    if (model.find_frame(usual)) return usual;
   }
   return model.frames().back().name;
 }

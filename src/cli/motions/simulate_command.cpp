@@ -60,9 +60,9 @@ void warn_of_impossible_motion(const Model& arm, const std::string& path, const 
   rows.time = motion.time;
   rows.q = motion.q;
   rows.dq = motion.dq;
-  std::set<std::string> said;  // each kind of finding is reported once
+  std::set<QualityKind> said;  // each kind of finding is reported once
   for (const QualityFinding& f : check_recording(rows).findings) {
-    if (f.severity != Severity::kFault || f.signal == "tau" || !said.insert(f.finding).second) continue;
+    if (f.severity != Severity::kFault || f.signal == "tau" || !said.insert(f.kind).second) continue;
     const size_t advice = f.sentence.find("; --");  // begins advice on options that a trajectory does not have
     print_message("warning: " + path + ": " + f.sentence.substr(0, advice) + (advice == std::string::npos ? "" : "."));
   }

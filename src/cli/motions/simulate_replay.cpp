@@ -102,12 +102,13 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
 ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
                          const std::string& command_line) {
   BreakawayOptions options;
-  options.joint.value = arm.find_coordinate(request.breakaway);
+  std::optional<JointIndex> joint = arm.find_coordinate(request.breakaway);
   for (int i = 0; i < arm.joints(); ++i) {
-    if (request.breakaway == std::to_string(i + 1)) options.joint = {i};
+    if (request.breakaway == std::to_string(i + 1)) joint = {i};
   }
-  expect_value(options.joint.value >= 0, "--breakaway", "found the joint '", request.breakaway,
+  expect_value(joint.has_value(), "--breakaway", "found the joint '", request.breakaway,
                "', expected a coordinate of ", arm.name(), " or its number");
+  options.joint = *joint;
   const Coordinate& c = arm.coordinates()[options.joint.value];
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);

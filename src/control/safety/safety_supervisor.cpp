@@ -39,9 +39,9 @@ int strength(SafetyFault fault) {
   return 0;
 }
 
-std::optional<int> first_not_finite(const VectorXd& v) {
+std::optional<JointIndex> first_not_finite(const VectorRef& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
-    if (!std::isfinite(v[i])) return static_cast<int>(i);
+    if (!std::isfinite(v[i])) return JointIndex{static_cast<int>(i)};
   }
   return std::nullopt;
 }
@@ -78,7 +78,7 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
     require(v->size() == n, "SafetySupervisor: found limits of ", v->size(), " entries, but arm '",
             arm.name(), "' has ", n, " joints.");
   // The comparison is true for no NaN, whereas minCoeff() may skip one.
-  const auto above_zero = [](const VectorXd& v) { return (v.array() > 0.0).all(); };
+  const auto above_zero = [](const VectorRef& v) { return (v.array() > 0.0).all(); };
   require(above_zero(limits.upper - limits.lower) && above_zero(limits.velocity) &&
               above_zero(limits.torque) && limits.torque.allFinite() && above_zero(limits.tracking) &&
               (limits_.resolution.array() >= 0.0).all() && std::isfinite(limits.braking),
@@ -141,7 +141,7 @@ bool SafetySupervisor::reset() noexcept {
   return true;
 }
 
-void SafetySupervisor::set_holding_torque(const VectorXd& extra) noexcept {
+void SafetySupervisor::set_holding_torque(const VectorRef& extra) noexcept {
   assert(extra.size() == extra_.size());
   if (state_ == SafetyState::kFault) return;  // torques of an inactive controller are not checked
   for (Eigen::Index i = 0; i < extra_.size(); ++i)
@@ -151,7 +151,7 @@ void SafetySupervisor::set_holding_torque(const VectorXd& extra) noexcept {
 SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
                                                           const SafetyInput& input) const noexcept {
   for (const VectorXd* v : {&arm.q(), &arm.dq()}) {
-    const std::optional<int> joint = first_not_finite(*v);
+    const std::optional<JointIndex> joint = first_not_finite(*v);
     if (joint) return {SafetyFault::kNotFinite, joint};
   }
   if (!std::isfinite(input.dt) || !std::isfinite(input.sensor_age) || !std::isfinite(input.sensor_age_range))
@@ -162,7 +162,7 @@ SafetySupervisor::Finding SafetySupervisor::check_sensors(const ArmState& arm,
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
     const double farthest = kJumpShare * limits_.velocity[i] * time + limits_.resolution[i];
     if (std::abs(arm.q()[i] - q_sound_[i]) > farthest)
-      return {SafetyFault::kEncoderJump, static_cast<int>(i)};
+      return {SafetyFault::kEncoderJump, {{static_cast<int>(i)}}};
   }
   return {};
 }
@@ -171,7 +171,7 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
                                                          const SafetyInput& input) const noexcept {
   if (input.dt > limits_.overrun) return {SafetyFault::kOverrun, {}};
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
-    const int joint = static_cast<int>(i);
+    const JointIndex joint{static_cast<int>(i)};
     const PositionRange range{limits_.lower[i], limits_.upper[i]};
     if (leaves_range(arm.q()[i], arm.dq()[i], range, limits_.braking))
       return {SafetyFault::kPosition, joint};
@@ -185,15 +185,15 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
 }
 
 SafetySupervisor::Finding SafetySupervisor::check_motors(const ArmState& arm, const SafetyInput& input,
-                                                         const VectorXd& tau) noexcept {
-  const std::optional<int> joint = first_not_finite(tau);
+                                                         const VectorRef& tau) noexcept {
+  const std::optional<JointIndex> joint = first_not_finite(tau);
   if (joint) return {SafetyFault::kController, joint};
   for (Eigen::Index i = 0; i < tau.size(); ++i) {
     const double share = std::abs(tau[i]) / limits_.torque[i];
     const bool stands = std::abs(arm.dq()[i]) <= limits_.rest_share * limits_.velocity[i];
     const bool too_much = share > 1.0 || (stands && share >= kNearLimit);
     saturated_[i] = too_much ? saturated_[i] + input.dt : 0.0;
-    if (saturated_[i] > limits_.torque_seconds) return {SafetyFault::kTorque, static_cast<int>(i)};
+    if (saturated_[i] > limits_.torque_seconds) return {SafetyFault::kTorque, {{static_cast<int>(i)}}};
   }
   return {};
 }
@@ -221,7 +221,7 @@ SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
   const bool acts = brakes || action_ == SafetyAction::kRelease;
   for (Eigen::Index i = 0; i < out_.size() && acts && state_ == SafetyState::kFault; ++i) {
     if (std::abs(arm.dq()[i]) > limits_.runaway * limits_.velocity[i])
-      return {SafetyFault::kNotHeld, static_cast<int>(i)};
+      return {SafetyFault::kNotHeld, {{static_cast<int>(i)}}};
   }
   if (!brakes && !input.held) {
     watched_ = false;
@@ -237,11 +237,11 @@ SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
   if (!(slow_for_ > limits_.held_seconds)) return {};
   Eigen::Index fastest = 0;
   arm.dq().cwiseAbs().cwiseQuotient(limits_.velocity).maxCoeff(&fastest);
-  return {SafetyFault::kNotHeld, static_cast<int>(fastest)};
+  return {SafetyFault::kNotHeld, {{static_cast<int>(fastest)}}};
 }
 
 SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const SafetyInput& input,
-                                                  const VectorXd& tau) noexcept {
+                                                  const VectorRef& tau) noexcept {
   const bool moves = state_ == SafetyState::kActive || state_ == SafetyState::kHoming;
   Finding found = check_sensors(arm, input);
   if (found.fault == SafetyFault::kNone && moves) found = check_motors(arm, input, tau);
@@ -287,7 +287,7 @@ void SafetySupervisor::brake(const ArmState& arm) noexcept {
   out_.noalias() += arm.mass_matrix().lazyProduct(y_);
 }
 
-void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) noexcept {
+void SafetySupervisor::act(const ArmState& arm, const VectorRef& tau, double dt) noexcept {
   switch (action_) {
     case SafetyAction::kMotorsOff:
       out_.setZero();
@@ -325,7 +325,7 @@ void SafetySupervisor::record_finding(const Finding& found) noexcept {
 }
 
 const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput& input,
-                                         const VectorXd& tau) noexcept {
+                                         const VectorRef& tau) noexcept {
   assert(arm.joints() == out_.size() && tau.size() == out_.size());
   if (state_ != SafetyState::kDisabled) {
     // The age of repeated positions grows by one cycle; positions of constant age are new.

@@ -157,7 +157,6 @@ void compare_parameters(const Side& a, const Side& b, ModelComparison& out) {
     ModelDifference d = difference_of(a, a.known.of(w_a), b, b.known.of(w_b));
     const int leading = a.known.leading[r];
     const StandardParameter& p = a.torque.parameters[leading];
-    d.quantity = "parameter";
     d.name = p.name;
     d.expression = a.known.expressions[r];
     d.unit = p.unit;
@@ -166,7 +165,7 @@ void compare_parameters(const Side& a, const Side& b, ModelComparison& out) {
     if (p.effect) {
       const EffectTerm& term = a.arm.effects()[*p.effect];
       d.effect = term.effect;
-      d.joint = {main_coordinate(term.axis)};
+      d.joint = main_coordinate(term.axis);
     }
     d.coordinate = a.arm.coordinates()[d.joint.value].name;
     d.sentence = parameter_sentence(a.arm, a.torque, leading, d);
@@ -199,8 +198,8 @@ void compare_joints(const Side& a, const Side& b, ModelComparison& out) {
       if (friction ? none_a || none_b : none_a && none_b) continue;
       const Coordinate& c = a.arm.coordinates()[i];
       ModelDifference d = difference_of(a, a.known.of(u_a), b, b.known.of(u_b));
-      d.quantity = which.name;
-      d.unit = d.quantity != "inertia" ? effort_unit(c) : c.prismatic ? "kg" : "kg m^2";
+      d.quantity = which.quantity;
+      d.unit = d.quantity != ComparedQuantity::kInertia ? effort_unit(c) : c.prismatic ? "kg" : "kg m^2";
       d.joint = {i};
       d.coordinate = c.name;
       d.same_as = proportional_parameter(a.known, u_a, out.parameters);

@@ -20,7 +20,7 @@ namespace {
 
 // One statement of a model file.
 struct Property {
-  std::string kind;     // as in StructureDifference; "robot": models of one arm agree in it
+  StructureKind kind;
   std::string subject;
   std::string text;     // empty: the statement is that the model has the subject
   std::vector<double> numbers = {};  // if any, they are compared instead of the text
@@ -36,7 +36,7 @@ bool same(const Property& a, const Property& b) {
 }
 
 bool has_frame_of_same_name(const Model& arm, const Frame& frame) {
-  return arm.find_frame(frame.name) >= 0;
+  return arm.find_frame(frame.name).has_value();
 }
 
 std::string parent_of(const Model& arm, const Frame& frame) {
@@ -84,37 +84,37 @@ void add_frames(const Model& arm, const Model& other, std::vector<Property>& out
   constexpr const char* kTypes[] = {"fixed", "turning", "sliding"};
   for (const Frame& frame : arm.frames()) {
     if (has_frame_of_same_name(other, frame)) {
-      out.push_back({"robot", "frame '" + frame.name + "'",
+      out.push_back({StructureKind::kRobot, "frame '" + frame.name + "'",
                      fmt::format("{} on {} with{} body", kTypes[static_cast<int>(frame.type)], parent_of(arm, frame), frame.body ? " a" : "out a")});
-      out.push_back({"geometry", frame.name, "", placement_numbers(frame)});
+      out.push_back({StructureKind::kGeometry, frame.name, "", placement_numbers(frame)});
     } else if (frame.type != JointType::kFixed) {
-      out.push_back({"robot", "the moving frame '" + frame.name + "'", ""});
+      out.push_back({StructureKind::kRobot, "the moving frame '" + frame.name + "'", ""});
     } else if (frame.body) {
       const std::string mass = frame.body->phi ? fmt::format(" ({:.4g} kg)", (*frame.body->phi)[0]) : "";
-      out.push_back({"body", fmt::format("the body {}{} on {}", frame.name, mass, parent_of(arm, frame)), ""});
+      out.push_back({StructureKind::kBody, fmt::format("the body {}{} on {}", frame.name, mass, parent_of(arm, frame)), ""});
     }
-    if (frame.body && frame.body->fixed) out.push_back({"facts", "the body " + frame.name + " as a fact", ""});
+    if (frame.body && frame.body->fixed) out.push_back({StructureKind::kFacts, "the body " + frame.name + " as a fact", ""});
   }
 }
 
 std::vector<Property> properties_of(const Model& arm, const Model& other) {
   std::vector<Property> out;
-  const auto number = [&out](const char* kind, const std::string& subject, double value, int digits) {
+  const auto number = [&out](StructureKind kind, const std::string& subject, double value, int digits) {
     out.push_back({kind, subject, fmt::format("{:.{}g}", value, digits), {value}});
   };
-  number("robot", "the number of coordinates", arm.joints(), 3);
-  for (int i = 0; i < arm.joints(); ++i) out.push_back({"robot", fmt::format("coordinate {}", i + 1), "'" + arm.coordinates()[i].name + "'"});
+  number(StructureKind::kRobot, "the number of coordinates", arm.joints(), 3);
+  for (int i = 0; i < arm.joints(); ++i) out.push_back({StructureKind::kRobot, fmt::format("coordinate {}", i + 1), "'" + arm.coordinates()[i].name + "'"});
   add_frames(arm, other, out);
-  for (const auto& [name, value] : arm.description().constants) number("constant", "constant " + name, value, 6);
-  for (const Coordinate& c : arm.coordinates()) number("drive_gain", "drive gain of " + c.name, c.drive_gain, 5);
+  for (const auto& [name, value] : arm.description().constants) number(StructureKind::kConstant, "constant " + name, value, 6);
+  for (const Coordinate& c : arm.coordinates()) number(StructureKind::kDriveGain, "drive gain of " + c.name, c.drive_gain, 5);
   const Eigen::Vector3d& g = arm.gravity();
-  out.push_back({"gravity", "gravity", fmt::format("[{:.5g}, {:.5g}, {:.5g}]", g.x(), g.y(), g.z()), {g.x(), g.y(), g.z()}});
+  out.push_back({StructureKind::kGravity, "gravity", fmt::format("[{:.5g}, {:.5g}, {:.5g}]", g.x(), g.y(), g.z()), {g.x(), g.y(), g.z()}});
   const std::vector<std::string> names = names_of_terms(arm);
   for (std::size_t e = 0; e < names.size(); ++e) {
     const EffectTerm& term = arm.effects()[e];
-    out.push_back({"effect", names[e], ""});
+    out.push_back({StructureKind::kEffect, names[e], ""});
     const std::vector<double> shape = shape_constants_of(arm, term);
-    for (std::size_t s = 0; s < shape.size(); ++s) number("shape", names[e] + ": " + find_effect(term.effect).shapes()[s].name, shape[s], 4);
+    for (std::size_t s = 0; s < shape.size(); ++s) number(StructureKind::kShape, names[e] + ": " + find_effect(term.effect).shapes()[s].name, shape[s], 4);
   }
   return out;
 }
@@ -127,8 +127,8 @@ const Property* find_property(const std::vector<Property>& all, const Property& 
 // True if the frames that both models have, by name, are placed alike.
 bool same_geometry(const Model& a, const Model& b) {
   return std::all_of(a.frames().begin(), a.frames().end(), [&](const Frame& frame) {
-    const int there = b.find_frame(frame.name);
-    return there < 0 || same({"", "", "", placement_numbers(frame)}, {"", "", "", placement_numbers(b.frames()[there])});
+    const std::optional<FrameIndex> there = b.find_frame(frame.name);
+    return !there || same({StructureKind::kGeometry, "", "", placement_numbers(frame)}, {StructureKind::kGeometry, "", "", placement_numbers(b.frames()[there->value])});
   });
 }
 
@@ -147,7 +147,7 @@ std::vector<std::string> meanings(const Model& arm, const std::vector<StandardPa
 }
 
 const Frame& frame_of_body(const Model& arm, int body) {
-  return arm.frames()[arm.bodies()[body]];
+  return arm.frames()[arm.bodies()[body].value];
 }
 
 // Adds to M the rows of a body that `from` does not have, from those of the body that carries it.
@@ -159,7 +159,7 @@ void add_carried_body(const Model& from, const Model& to, int body, MatrixXd& M)
     T = eigen(frame->A * frame->B).matrix() * T;
     frame = &to.frames()[frame->parent->value];
   }
-  const auto carrier = std::find(to.bodies().begin(), to.bodies().end(), frame - to.frames().data()) - to.bodies().begin();
+  const auto carrier = std::find(to.bodies().begin(), to.bodies().end(), FrameIndex{static_cast<int>(frame - to.frames().data())}) - to.bodies().begin();
   Eigen::Matrix<double, kBodyParameters, kBodyParameters> X;
   for (int c = 0; c < kBodyParameters; ++c)
     X.col(c) = inertial_parameters(Eigen::Matrix4d(T * pseudo_inertia(InertialParameters::Unit(c)) * T.transpose()));
@@ -167,6 +167,16 @@ void add_carried_body(const Model& from, const Model& to, int body, MatrixXd& M)
 }
 
 }  // namespace
+
+const char* name_of(StructureKind kind) {
+  static constexpr const char* kNames[] = {"robot", "effect", "body", "shape", "geometry", "constant", "gravity", "drive_gain", "facts"};
+  return kNames[static_cast<int>(kind)];
+}
+
+const char* name_of(ComparedQuantity quantity) {
+  static constexpr const char* kNames[] = {"friction", "offset", "weight", "weight_slope", "inertia", "parameter"};
+  return kNames[static_cast<int>(quantity)];
+}
 
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after) {
   const std::vector<Property> a = properties_of(before, after), b = properties_of(after, before);
@@ -177,22 +187,22 @@ std::vector<StructureDifference> structure_differences(const Model& before, cons
     if (there == nullptr && p.text.empty()) out.push_back({p.kind, "only the model before has " + p.subject + "."});
     if (there == nullptr || same(p, *there)) continue;
     const std::string values = fmt::format("{} is {} before and {} after", p.subject, p.text, there->text);
-    if (p.kind == "geometry")
+    if (p.kind == StructureKind::kGeometry)
       moved += (moved.empty() ? "" : ", ") + p.subject;
-    else if (p.kind == "constant")
+    else if (p.kind == StructureKind::kConstant)
       constants += "; " + values;
     else
-      out.push_back({p.kind, values + (p.kind == "drive_gain" ? "; where currents were recorded, all its torques scale with it." : ".")});
+      out.push_back({p.kind, values + (p.kind == StructureKind::kDriveGain ? "; where currents were recorded, all its torques scale with it." : ".")});
   }
   for (const Property& p : b) {
     if (p.text.empty() && find_property(a, p) == nullptr) out.push_back({p.kind, "only the model after has " + p.subject + "."});
   }
   for (const StructureDifference& d : out) {
-    require(d.kind != "robot", "compare: found robot '", before.name(), "' and robot '", after.name(), "': ", d.sentence.substr(0, d.sentence.size() - 1),
+    require(d.kind != StructureKind::kRobot, "compare: found robot '", before.name(), "' and robot '", after.name(), "': ", d.sentence.substr(0, d.sentence.size() - 1),
             "; expected two models of one arm.");
   }
   if (!moved.empty()) {
-    out.insert(out.begin(), {"geometry", "frames stand or move differently: " + moved + constants +
+    out.insert(out.begin(), {StructureKind::kGeometry, "frames stand or move differently: " + moved + constants +
                                              "; masses, moments and inertias do not mean the same, only effects and predictions are compared."});
   }
   return out;

@@ -2,13 +2,14 @@
 
 #include <vector>
 
+#include "veridyn/diagnosis/model_comparison.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 
 namespace veridyn {
 
 /// A property of a joint's torque over standard_motion() that is linear in the parameters.
 struct JointQuantity {
-  const char* name;   ///< in ModelDifference::quantity
+  ComparedQuantity quantity;
   const char* words;  ///< beginning of a sentence, before the joint
 };
 
@@ -17,11 +18,11 @@ struct JointQuantity {
 /// weight:       mean torque that holds the bodies at rest in the poses of the motion [N m];
 /// weight_slope: amplitude of that torque at the frequency of the joint's own motion [N m];
 /// inertia:      mean of M_ii, rotor inertia included [kg m^2].
-constexpr JointQuantity kJointQuantities[] = {{"friction", "Friction of"},
-                                              {"offset", "The constant torque of"},
-                                              {"weight", "The weight that rests on"},
-                                              {"weight_slope", "The part of the weight that follows the position of"},
-                                              {"inertia", "The inertia of"}};
+constexpr JointQuantity kJointQuantities[] = {{ComparedQuantity::kFriction, "Friction of"},
+                                              {ComparedQuantity::kOffset, "The constant torque of"},
+                                              {ComparedQuantity::kWeight, "The weight that rests on"},
+                                              {ComparedQuantity::kWeightSlope, "The part of the weight that follows the position of"},
+                                              {ComparedQuantity::kInertia, "The inertia of"}};
 
 /// Torques over standard_motion() as a function of all standard parameters of an arm, known ones included.
 struct StandardTorque {

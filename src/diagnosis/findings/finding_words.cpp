@@ -16,8 +16,8 @@ namespace {
 
 // "Joint 3 (insertion)", or "The arm".
 std::string place_of(const CauseWords& w) {
-  if (w.joint < 1) return "The arm";
-  return "Joint " + std::to_string(w.joint) + " (" + w.coordinate + ")";
+  if (!w.joint) return "The arm";
+  return "Joint " + std::to_string(w.joint->value + 1) + " (" + w.coordinate + ")";
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ void summarize(Diagnosis& d, const DiagnosisOptions& options) {
   s.explained_by_all = explained_share(before, left, before, floor);
   for (Eigen::Index j = 0; j < before.size(); ++j) {
     if (after[j] > (1.0 + thresholds.held_out_worse) * before[j])
-      s.worse_joints.push_back(static_cast<int>(j) + 1);
+      s.worse_joints.push_back({static_cast<int>(j)});
   }
 }
 

@@ -41,7 +41,7 @@ void check_errors_in_variables(DiagnosisState& x) {
   });
   QualityFinding f;
   f.file = x.train.front();
-  f.finding = "errors_in_variables";
+  f.kind = QualityKind::kErrorsInVariables;
   f.value = static_cast<double>(differ.size());
   f.unit = "parameters";
   f.share = f.value / static_cast<double>(independent.size());

@@ -25,11 +25,10 @@ void exclude_wrong_velocities(DiagnosisState& x) {
   derive_velocities(trust_in_velocities(x.d.data_quality).wrong, x.options.identification);
 }
 
-// @param joint  counted from 0.
-void remark_derived_velocity(int joint, DiagnosisState& x) {
+void remark_derived_velocity(JointIndex joint, DiagnosisState& x) {
   for (const RecordingQuality& recording : x.d.data_quality) {
     for (const QualityFinding& f : recording.findings) {
-      if (f.finding != "velocity_noise" || f.joint != joint + 1) continue;
+      if (f.kind != QualityKind::kVelocityNoise || f.joint != joint) continue;
       x.remarks.push_back(f.sentence +
                           " It is taken from the position: torques are predicted better.");
       x.d.remarks = x.remarks;
@@ -53,13 +52,13 @@ std::vector<RecordingQuality> quality_of_training(const DiagnosisState& x) {
 void choose_quieter_velocities(DiagnosisState& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   if (how.velocity == VelocitySource::kDerived) return;
-  const std::set<int> known(how.derive_velocity_of.begin(), how.derive_velocity_of.end());
-  std::set<int> noisy = trust_in_velocities(quality_of_training(x)).doubtful;
-  for (const int j : known) noisy.erase(j);
+  const std::set<JointIndex> known(how.derive_velocity_of.begin(), how.derive_velocity_of.end());
+  std::set<JointIndex> noisy = trust_in_velocities(quality_of_training(x)).doubtful;
+  for (const JointIndex j : known) noisy.erase(j);
   const Thresholds& limits = x.options.thresholds;
   const double least = x.d.changes ? limits.smallest_change : limits.smallest_gain;
   VelocityChoice choice = choose_velocities(x.d.baseline, noisy, least,
-                                            [&](std::set<int> joints) {
+                                            [&](std::set<JointIndex> joints) {
                                               joints.insert(known.begin(), known.end());
                                               derive_velocities(joints, x.options.identification);
                                               return x.fit(x.arm);
@@ -69,7 +68,7 @@ void choose_quieter_velocities(DiagnosisState& x) {
     return;
   }
   x.d.baseline = std::move(*choice.fit);
-  for (const int j : choice.better) remark_derived_velocity(j, x);
+  for (const JointIndex j : choice.better) remark_derived_velocity(j, x);
 }
 
 // Stores the periods of the recordings, which later steps need many times.
@@ -114,10 +113,11 @@ void exclude_saturated(DiagnosisState& x) {
   const double cutoff = x.options.identification.preprocessing.cutoff;
   const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;
   for (const RecordingQuality& quality : x.d.data_quality) {
-    std::map<int, std::vector<ExcludedInterval>> of_joint;
+    std::map<JointIndex, std::vector<ExcludedInterval>> of_joint;
     for (const SaturatedInterval& one : quality.saturated)
       of_joint[one.joint].push_back({quality.file, one.joint, one.from - margin, one.to + margin, "torque at its limit"});
-    for (auto& [joint, parts] : of_joint) {
+    for (auto& [index, parts] : of_joint) {
+      const int joint = index.value;
       if (joint >= x.arm.joints()) continue;
       merge_overlaps(parts);
       double seconds = 0.0;

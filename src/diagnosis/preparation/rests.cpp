@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "diagnosis/preparation/diagnosis_state.hpp"
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 
 // Reports joints whose effects the recorded motion cannot separate, before any cause is tested.
 
@@ -44,8 +44,8 @@ void add_rests_at_ends(const RecordingError& r, const std::vector<double>& speed
                    "the arm rests at the end"});
 }
 
-// Groups of joints (from 0) whose positions are nearly linear functions of each other.
-std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thresholds& limits) {
+// Groups of joints whose positions are nearly linear functions of each other.
+std::vector<std::vector<JointIndex>> moving_as_one(const Identification& id, const Thresholds& limits) {
   const int n = id.model->joints();
   Eigen::Index rows = 0;
   for (const RecordingError& r : id.train) rows += static_cast<Eigen::Index>(r.series.time.size());
@@ -58,7 +58,7 @@ std::vector<std::vector<int>> moving_as_one(const Identification& id, const Thre
     const bool slides = id.model->coordinates()[j].prismatic;
     if (q.col(j).maxCoeff() - q.col(j).minCoeff() <= limits.still(slides)) q.col(j).setZero();
   }
-  return correlated_columns(q, limits.move_as_one);
+  return correlated_joints(q, limits.move_as_one);
 }
 
 }  // namespace

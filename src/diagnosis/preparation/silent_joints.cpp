@@ -3,7 +3,7 @@
 
 #include "diagnosis/preparation/diagnosis_state.hpp"
 #include "identification/silent_joints.hpp"
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 
 // Joints without recorded torque are excluded, because their zeros would bias the parameters that they share
 // with other joints.
@@ -25,20 +25,21 @@ bool exclude_silent_joints(DiagnosisState& x) {
     return true;
   }
   x.d.excluded_intervals.resize(parts);
-  const std::vector<int> silent(x.silent.begin(), x.silent.end());
+  std::vector<JointIndex> silent;
+  for (const int j : x.silent) silent.push_back({j});
   end_without_verdicts(x, "joints without torque: " + numbers_from_one(silent) + ", and the others alone do not determine the arm");
   return false;
 }
 
 bool can_attribute_errors(DiagnosisState& x) {
   std::string why;
-  for (const std::vector<int>& group : x.d.moving_as_one) {
+  for (const std::vector<JointIndex>& group : x.d.moving_as_one) {
     if (!x.d.changes) why += (why.empty() ? "joints " : ", and joints ") + numbers_from_one(group) + " move as one";
   }
   if (!why.empty()) why += " in all training recordings, so that no error can be ascribed to one of them: train on motions in which every joint moves in its own way, as `veridyn excite` makes";
   for (const RecordingQuality& quality : x.d.data_quality) {
-    const QualityFinding* f = quality.find("unexplained");
-    if (why.empty() && f != nullptr && f->joint == 0 && std::find(x.train.begin(), x.train.end(), quality.file) != x.train.end())
+    const QualityFinding* f = quality.find(QualityKind::kUnexplained);
+    if (why.empty() && f != nullptr && !f->joint && std::find(x.train.begin(), x.train.end(), quality.file) != x.train.end())
       why = "the torques do not follow from the motion of this arm";
   }
   if (!why.empty()) end_without_verdicts(x, why);

@@ -20,17 +20,17 @@ struct Power {
 };
 
 // @param deviations  power of the joint's friction in its standard deviations.
-void report_negative_friction(DiagnosisState& x, int joint, double deviations) {
-  const Coordinate& c = x.arm.coordinates()[joint];
+void report_negative_friction(DiagnosisState& x, JointIndex joint, double deviations) {
+  const Coordinate& c = x.arm.coordinates()[joint.value];
   QualityFinding f;
   f.file = x.train.front();
-  f.finding = "torque_sign";
+  f.kind = QualityKind::kTorqueSign;
   f.signal = "tau";
-  f.joint = joint + 1;
+  f.joint = joint;
   f.value = -deviations;
   f.unit = "standard deviations";
   f.severity = Severity::kFault;
-  f.sentence = "friction of joint " + std::to_string(joint + 1) + " (" + c.name +
+  f.sentence = "friction of joint " + std::to_string(joint.value + 1) + " (" + c.name +
                ") comes out negative beyond doubt: its torque is recorded with the wrong sign, or "
                "is that of another joint; change the sign or the order of the columns";
   for (RecordingQuality& q : x.d.data_quality) {
@@ -73,7 +73,7 @@ void check_torque_signs(DiagnosisState& x) {
     if ((axis.coefficients.array() != 0.0).count() != 1) continue;
     const auto at = static_cast<Eigen::Index>(k);
     const double size = sizes[base.independent[k]];
-    Power& p = joints[main_coordinate(axis)];
+    Power& p = joints[main_coordinate(axis).value];
     p.sum += size * fit.beta[at];
     p.variance += std::pow(size * fit.std[at], 2);
   }
@@ -81,13 +81,14 @@ void check_torque_signs(DiagnosisState& x) {
     const double deviation = std::sqrt(joints[i].variance);
     if (!(deviation > 0.0)) continue;
     const double below = -joints[i].sum / deviation;
-    const bool answered = std::any_of(x.d.data_quality.begin(), x.d.data_quality.end(), [i](const RecordingQuality& q) {
-      return std::any_of(q.findings.begin(), q.findings.end(), [i](const QualityFinding& f) {
-        return f.finding == "torque_sign" && f.joint == static_cast<int>(i) + 1;
+    const JointIndex joint{static_cast<int>(i)};
+    const bool answered = std::any_of(x.d.data_quality.begin(), x.d.data_quality.end(), [joint](const RecordingQuality& q) {
+      return std::any_of(q.findings.begin(), q.findings.end(), [joint](const QualityFinding& f) {
+        return f.kind == QualityKind::kTorqueSign && f.joint == joint;
       });
     });
     const bool matters = -joints[i].sum > checking::kFrictionShare * std::sqrt(totals[i].rhs_norm2());
-    if (!answered && matters && below > x.options.thresholds.negative_friction) report_negative_friction(x, static_cast<int>(i), below);
+    if (!answered && matters && below > x.options.thresholds.negative_friction) report_negative_friction(x, joint, below);
   }
 }
 

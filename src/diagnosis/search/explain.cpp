@@ -264,7 +264,7 @@ class Explanation {
   bool is_at_limit(const Contact& c) const {
     return std::any_of(d_.data_quality.begin(), d_.data_quality.end(), [&c](const RecordingQuality& q) {
       return q.file == c.source && std::any_of(q.saturated.begin(), q.saturated.end(), [&c](const SaturatedInterval& at) {
-               return at.joint == c.last_joint && at.from < c.to && c.from < at.to;
+               return at.joint.value == c.last_joint && at.from < c.to && c.from < at.to;
              });
     });
   }
@@ -458,7 +458,7 @@ class Explanation {
   // Sentence about the coarse steps of a recorded torque, which no model predicts.
   std::string torque_step_words(int j) const {
     for (const RecordingQuality& q : d_.data_quality) {
-      const QualityFinding* steps = q.find("torque_quantised", j + 1);
+      const QualityFinding* steps = q.find(QualityKind::kTorqueQuantised, JointIndex{j});
       if (steps == nullptr) continue;
       return fmt::format("its torque is recorded in steps of {:.3g} {}; ", steps->value, steps->signal == "tau" ? effort_unit(x_.arm.coordinates()[j]) : steps->unit);
     }

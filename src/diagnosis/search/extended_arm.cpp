@@ -22,7 +22,7 @@ std::optional<std::pair<int, Posed>> body_of(const Model& arm, FrameIndex frame)
     return std::make_pair(k, T);
   };
   const auto [own, T_root_frame] = root(frame.value);
-  for (const int b : arm.bodies()) {
+  for (const auto [b] : arm.bodies()) {
     const auto [other, T_root_body] = root(b);
     if (other == own) return std::make_pair(b, inverse(T_root_body) * T_root_frame);
   }

@@ -34,7 +34,7 @@ std::vector<Eigen::Index> kept_samples(const Segment& s, int step) {
 
 bool is_excluded(const PreprocessingOptions& how, const std::string& source, int joint, double time) {
   return std::any_of(how.excluded_intervals.begin(), how.excluded_intervals.end(), [&](const ExcludedInterval& part) {
-    return part.source == source && (!part.joint || *part.joint == joint) && time >= part.from && time <= part.to;
+    return part.source == source && (!part.joint || part.joint->value == joint) && time >= part.from && time <= part.to;
   });
 }
 

@@ -313,7 +313,7 @@ Columns load_columns(const Term& term, const Rows& rows) {
   const Eigen::Matrix<double, 10, 10> tangent = load_parameters(term.centre);
   Columns out;
   for (int i = 0; i < arm.joints(); ++i) {
-    if (!arm.moves(arm.bodies()[body], i)) continue;
+    if (!arm.moves(arm.bodies()[body], {i})) continue;
     out.joints.push_back(i);
     out.of.emplace_back(rows.rows(), kBodyParameters);
   }

@@ -27,7 +27,7 @@ std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::str
   std::vector<bool> last(arm.frames().size(), true), moves(arm.frames().size(), false);
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     if (const auto parent = arm.frames()[k].parent) last[parent->value] = false;
-    for (int i = 0; i < arm.joints(); ++i) moves[k] = moves[k] || arm.moves(k, i);
+    for (int i = 0; i < arm.joints(); ++i) moves[k] = moves[k] || arm.moves({k}, {i});
   }
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     if (moves[k] && (last[k] || arm.frames()[k].body)) out.push_back({k});
@@ -74,7 +74,7 @@ Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links, 
   for (const Candidate& c : sudden_candidates(arm, load_frames(arm, links))) {
     all_.push_back({c, unit_of(arm, c)});
     if (is_load(c)) {
-      const auto at = std::find(loaded_.bodies().begin(), loaded_.bodies().end(), frame_of(c.cause)->value);
+      const auto at = std::find(loaded_.bodies().begin(), loaded_.bodies().end(), *frame_of(c.cause));
       body_of_load_.push_back(static_cast<int>(at - loaded_.bodies().begin()));
     } else if (is_channel(c)) {
       channel_.push_back(channel_effect(effect_of(c.cause)));
@@ -172,7 +172,7 @@ void Hypotheses::add_columns(const MatrixXd& torque, double dt, Step& out) {
   out.columns = MatrixXd::Zero(arm_.joints(), static_cast<Eigen::Index>(all_.size()));
   Eigen::Index h = 0;
   for (ColumnsInPieces& effect : axis_)
-    out.columns(main_coordinate(effect.facts().term().axis), h++) = effect.next(effect.samples(motion(), MatrixXd())).col(0).mean();
+    out.columns(main_coordinate(effect.facts().term().axis).value, h++) = effect.next(effect.samples(motion(), MatrixXd())).col(0).mean();
   const ChannelMotion along{arm_, bodies_, phi_, q_, dq_, ddq_, torque, dt};
   for (const ChannelEffect* channel : channel_) {
     const std::optional<JointIndex> joint = all_[static_cast<size_t>(h)].of.joint;
@@ -186,7 +186,7 @@ void Hypotheses::add_columns(const MatrixXd& torque, double dt, Step& out) {
   const auto loads = static_cast<Eigen::Index>(body_of_load_.size());
   for (int i = 0; i < arm_.joints(); ++i) {
     const Eigen::RowVectorXd mean = Y_[i].colwise().mean();
-    const std::vector<int>& of_joint = loads_.columns(i);
+    const std::vector<int>& of_joint = loads_.columns({i});
     for (Eigen::Index l = 0; l < loads; ++l) {
       const int first = kBodyParameters * body_of_load_[l];
       const auto at = std::lower_bound(of_joint.begin(), of_joint.end(), first);

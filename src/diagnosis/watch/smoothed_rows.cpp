@@ -381,7 +381,7 @@ void SmoothedRows::smooth() {
   out.ddq = has_velocity_ ? smoothed.col(1).tail(n_) : smoothed.col(2).head(n_);
   out.tau.resize(n_);
   for (int j = 0; j < n_; ++j) {  // delayed torques are shifted forward
-    out.tau[j] = sensors_.torque_at(j, half_, filled_, dt_, [&](Eigen::Index k) {
+    out.tau[j] = sensors_.torque_at({j}, half_, filled_, dt_, [&](Eigen::Index k) {
       return window_(2 * n_ + j, k);
     });
   }

@@ -55,7 +55,7 @@ class Watch::Implementation {
  public:
   /// Faults that the recorded signals have from the first row on.
   struct Signals {
-    std::set<int> wrong_velocities;  ///< joints, from 0, whose velocity is no derivative of the position
+    std::set<JointIndex> wrong_velocities;  ///< joints whose velocity is no derivative of the position
     watching::RowClock clock;
     std::vector<std::string> remarks;
   };
@@ -161,13 +161,13 @@ class Watch::Implementation {
     const RecordingQuality quality = check_recording(rows);
     if (rows.dq.size() > 0) out.wrong_velocities = trust_in_velocities({quality}).wrong;
     out.remarks = remarks_on(out.wrong_velocities, arm_);
-    if (const QualityFinding* unit = quality.find("time_unit")) out.remarks.push_back(unit->sentence);
-    const QualityFinding* off = quality.find("rate_contradiction");
+    if (const QualityFinding* unit = quality.find(QualityKind::kTimeUnit)) out.remarks.push_back(unit->sentence);
+    const QualityFinding* off = quality.find(QualityKind::kRateContradiction);
     if (off == nullptr) return out;
     // Velocities contradict positions on all joints: the model says whether the clock is wrong or the velocities are.
     Signals other_clock = out, other_unit = out;
     other_clock.clock = {rows.time[0], off->value};
-    for (int j = 0; j < arm_.joints(); ++j) other_unit.wrong_velocities.insert(j);
+    for (int j = 0; j < arm_.joints(); ++j) other_unit.wrong_velocities.insert({j});
     const bool is_clock = residual_share(rows, other_clock) < residual_share(rows, other_unit);
     (is_clock ? other_clock : other_unit).remarks.push_back(text(off->sentence, " The model agrees with ", is_clock ? "that rate, which is used." : "the rows' clock and with the derivative of the positions, which is used."));
     return is_clock ? other_clock : other_unit;

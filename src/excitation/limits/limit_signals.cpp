@@ -21,17 +21,17 @@ LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
                            const WorkspaceLimits& workspace, const std::optional<Model>& powered,
                            double braking)
     : joints_(arm.joints()), arm_(arm), braking_(braking) {
-  const auto each = [&](const char* what, const char* per, const VectorXd& lower,
+  const auto each = [&](LimitKind kind, const char* what, const char* per, const VectorXd& lower,
                         const VectorXd& upper, const VectorXd& scale) {
     for (int i = 0; i < joints_; ++i) {
       const Coordinate& c = arm.coordinates()[i];
       signals_.push_back(
-          {text(what, " of ", c.name), position_unit(c) + per, lower[i], upper[i], scale[i]});
+          {text(what, " of ", c.name), position_unit(c) + per, lower[i], upper[i], scale[i], kind, JointIndex{i}});
     }
   };
-  each("position", "", joints.lower, joints.upper, joints.upper - joints.lower);
-  each("speed", "/s", -joints.velocity, joints.velocity, joints.velocity);
-  each("acceleration", "/s^2", -joints.acceleration, joints.acceleration, joints.acceleration);
+  each(LimitKind::kPosition, "position", "", joints.lower, joints.upper, joints.upper - joints.lower);
+  each(LimitKind::kSpeed, "speed", "/s", -joints.velocity, joints.velocity, joints.velocity);
+  each(LimitKind::kAcceleration, "acceleration", "/s^2", -joints.acceleration, joints.acceleration, joints.acceleration);
   if (braking_ > 0.0) add_stops(joints);
   if (powered) add_torques(*powered);
   add_workspace(arm, workspace);
@@ -42,7 +42,7 @@ void LimitSignals::add_stops(const MotionLimits& joints) {
     const Coordinate& c = arm_.coordinates()[i];
     const double margin = kMarginOfSupervisor * (joints.upper[i] - joints.lower[i]);
     signals_.push_back({text("stop of ", c.name), position_unit(c), joints.lower[i] + margin,
-                        joints.upper[i] - margin, joints.upper[i] - joints.lower[i]});
+                        joints.upper[i] - margin, joints.upper[i] - joints.lower[i], LimitKind::kStop, JointIndex{i}});
   }
 }
 
@@ -56,7 +56,7 @@ void LimitSignals::add_torques(const Model& powered) {
     const double most = c.limits.effort;
     if (!std::isfinite(most)) continue;
     torque_joints_.push_back(i);
-    signals_.push_back({text("torque of ", c.name), effort_unit(c), -most, most, most});
+    signals_.push_back({text("torque of ", c.name), effort_unit(c), -most, most, most, LimitKind::kTorque, JointIndex{i}});
   }
   if (torque_joints_.empty()) return;
   phi_ = *phi;
@@ -75,10 +75,10 @@ std::optional<FrameIndex> LimitSignals::frame_index(const Model& arm, const std:
   if (name == "world") return std::nullopt;
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int k = arm.find_frame(name);
-  require(k >= 0, "excitation: found the frame '", name, "'", did_you_mean(name, names),
+  const std::optional<FrameIndex> k = arm.find_frame(name);
+  require(k.has_value(), "excitation: found the frame '", name, "'", did_you_mean(name, names),
           ", expected world or one of: ", listed(names), ".");
-  return FrameIndex{k};
+  return k;
 }
 
 void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& workspace) {

@@ -20,6 +20,8 @@ struct LimitSignal {
   double lower;
   double upper;
   double scale;  ///< scale by which margins of different units are compared
+  LimitKind kind = LimitKind::kPlace;
+  std::optional<JointIndex> joint = {};  ///< nullopt: kPlace
 };
 
 /// Share of torque limits that is used: a supervisor stops an arm whose motors saturate, and the friction is

@@ -66,10 +66,10 @@ double distance_to_box(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vec
 // The frame of a capsule; nullopt: the world.
 std::optional<FrameIndex> frame_of(const Model& arm, const Capsule& capsule) {
   if (capsule.frame == "world") return std::nullopt;
-  const int frame = arm.find_frame(capsule.frame);
-  require(frame >= 0, "excitation: found a shape on the frame '",
+  const std::optional<FrameIndex> frame = arm.find_frame(capsule.frame);
+  require(frame.has_value(), "excitation: found a shape on the frame '",
           capsule.frame, "', which '", arm.name(), "' does not have.");
-  return FrameIndex{frame};
+  return frame;
 }
 
 struct RigidBody {

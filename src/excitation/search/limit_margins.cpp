@@ -42,6 +42,8 @@ std::vector<LimitMargin> margins_of(const LimitSignals& signals, const Range& ra
     m.upper = signal.upper;
     std::tie(m.lowest, m.highest) = range(k);
     m.margin = std::min(m.lowest - m.lower, m.upper - m.highest);
+    m.kind = signal.kind;
+    m.joint = signal.joint;
     out.push_back(m);
   }
   return out;

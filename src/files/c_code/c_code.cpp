@@ -141,7 +141,7 @@ class CWriter {
     for (Eigen::Index j = 0; j < phi_.size(); ++j) write_line("  " + c_number(phi_[j]) + ",");
     write_line("};\n");
     write_line(fmt::format("static const char* const {0}_parameter_names[{0}_parameters] = {{", name_));
-    for (const int k : arm_.bodies()) {
+    for (const auto [k] : arm_.bodies()) {
       for (const char* symbol : kSymbols)
         write_line(fmt::format("  \"{}_{}\",", symbol, safe_c_text(arm_.frames()[k].name)));
     }

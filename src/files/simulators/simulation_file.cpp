@@ -53,7 +53,7 @@ class UpdatedSimulation {
     require(bool(parsed), path, ": found no XML (", parsed.description(), "), expected a simulation's file.");
     root_ = document_.child(root);
     for (const Coordinate& c : arm.coordinates()) {
-      require(in_file.find_coordinate(c.name) >= 0, path, ": found no joint '", c.name, "', which '", arm.name(),
+      require(in_file.find_coordinate(c.name).has_value(), path, ": found no joint '", c.name, "', which '", arm.name(),
               "' has, expected the file that the model came from.");
     }
   }
@@ -65,9 +65,9 @@ class UpdatedSimulation {
   void update_inertials() {
     if (arm_.gravity() != in_file_.gravity()) out_.left_out.push_back("gravity");
     for (const Frame& mine : arm_.frames()) {
-      const int k = in_file_.find_frame(mine.name);
-      if (k < 0) continue;
-      const Frame& there = in_file_.frames()[k];
+      const std::optional<FrameIndex> k = in_file_.find_frame(mine.name);
+      if (!k) continue;
+      const Frame& there = in_file_.frames()[k->value];
       const auto same = [](const Posed& a, const Posed& b) { return eigen(a.R).isApprox(eigen(b.R), kSamePlace) && (eigen(a.p) - eigen(b.p)).norm() <= kSamePlace; };
       if (!same(mine.A, there.A) || !same(mine.B, there.B) || std::abs(mine.variable.offset - there.variable.offset) > kSamePlace)
         out_.left_out.push_back("the place of " + mine.name);
@@ -78,15 +78,15 @@ class UpdatedSimulation {
   // in it.
   void bodies(const std::function<void(const Frame& mine, const Frame& there)>& change,
               const std::function<bool(const Frame& mine)>& add) {
-    for (const int k : arm_.bodies()) {
+    for (const auto [k] : arm_.bodies()) {
       const Frame& mine = arm_.frames()[k];
-      const int there = in_file_.find_frame(mine.name);
-      if (there < 0) {
+      const std::optional<FrameIndex> there = in_file_.find_frame(mine.name);
+      if (!there) {
         const bool added = mine.type == JointType::kFixed && mine.parent && add(mine);
         (added ? out_.changed : out_.left_out).push_back((added ? "a new body " : "the body ") + mine.name);
         continue;
       }
-      const Frame& theirs = in_file_.frames()[there];
+      const Frame& theirs = in_file_.frames()[there->value];
       const InertialParameters none = InertialParameters::Zero();
       const InertialParameters& before = theirs.body ? *theirs.body->phi : none;
       const InertialParameters& now = *mine.body->phi;
@@ -104,7 +104,7 @@ class UpdatedSimulation {
     const PlacedEffects there = placed_effects(known_effects(in_file_).forces, in_file_.joints());
     for (int i = 0; i < arm_.joints(); ++i) {
       const std::string& name = arm_.coordinates()[i].name;
-      const int j = in_file_.find_coordinate(name);
+      const int j = in_file_.find_coordinate(name)->value;
       const SimpleForce& a = now.along[i];
       const SimpleForce& b = there.along[j];
       const auto one = [&](const char* what, double value, double before) {
@@ -298,7 +298,7 @@ class UpdatedMjcf : public UpdatedSimulation {
     const pugi::xml_node node = find("joint", joint);
     if (!node) return false;
     const std::string what = value;
-    const bool angle = what == "spring" && !arm_.coordinates()[arm_.find_coordinate(joint)].prismatic;
+    const bool angle = what == "spring" && !arm_.coordinates()[arm_.find_coordinate(joint)->value].prismatic;
     const char* name = what == "friction" ? "frictionloss" : what == "spring" ? "springref" : value;
     set_attribute(node, name, xml_number(angle ? now / elements_.angle() : now));
     return true;

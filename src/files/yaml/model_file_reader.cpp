@@ -220,7 +220,7 @@ class ModelReader {
           entry.key_node.fail("'" + entry.key + "'" + did_you_mean(entry.key, coordinate_names_),
                               "another coordinate of: " + listed(coordinate_names_));
         }
-        model_.coordinates[own].recorded.torque_crosstalk[static_cast<int>(at)] = entry.value.number();
+        model_.coordinates[own].recorded.torque_crosstalk[{static_cast<int>(at)}] = entry.value.number();
       }
     }
   }

@@ -131,7 +131,7 @@ class ModelWriter {
     add("position_offset", channel.position_offset, 0.0);
     std::vector<std::string> crosstalk;
     for (const auto& [from, share] : channel.torque_crosstalk) {
-      const std::string& name = d_.coordinates[from].name;
+      const std::string& name = d_.coordinates[from.value].name;
       crosstalk.push_back(quoted_if_needed(name) + ": " +
                           numbers_.number(place + "/torque_crosstalk/" + name, share));
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -19,15 +20,15 @@ namespace {
 
 // Removes repeated findings. If recordings disagree about a joint, the most frequent finding remains.
 std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
-  using Key = std::pair<std::string, int>;
+  using Key = std::pair<QualityKind, std::optional<JointIndex>>;
   std::map<Key, int> votes;
-  for (const QualityFinding& f : all) ++votes[{f.finding, f.joint}];
+  for (const QualityFinding& f : all) ++votes[{f.kind, f.joint}];
   std::vector<QualityFinding> out;
   std::set<Key> said;
   for (const QualityFinding& f : all) {
-    const int own = votes.at({f.finding, f.joint});
+    const int own = votes.at({f.kind, f.joint});
     const bool outvoted = std::any_of(votes.begin(), votes.end(), [&](const auto& other) { return other.first.second == f.joint && other.second > own; });
-    if (!outvoted && said.insert({f.finding, f.joint}).second) out.push_back(f);
+    if (!outvoted && said.insert({f.kind, f.joint}).second) out.push_back(f);
   }
   return out;
 }
@@ -35,8 +36,8 @@ std::vector<QualityFinding> once_each(const std::vector<QualityFinding>& all) {
 // True for a contradiction that a diagnosis estimates as a cause or reports itself: a change during the
 // recording, such as a push, and a tilted base (against an identified model any direction of gravity).
 bool is_left_to_a_diagnosis(const RecordingQuestion& q, const Model& arm) {
-  if (q.finding == "changed_midway") return true;
-  if (q.finding != "gravity") return false;
+  if (q.kind == QualityKind::kChangedMidway) return true;
+  if (q.kind != QualityKind::kGravity) return false;
   if (arm.description().values == RobotValues::kFacts && has_all_values(arm)) return true;
   const Eigen::Vector3d turned = corrected_arm({q}, arm).gravity();
   return turned.dot(arm.gravity()) > checking::kLeaning * turned.norm() * arm.gravity().norm() && !turned.isZero();
@@ -141,9 +142,9 @@ class SetUp {
 
 // True for mistakes in positions and velocities, false for those in torques, times or the robot file.
 bool is_of_motion(const QualityFinding& finding) {
-  static const std::set<std::string> kNames = {"position_sign", "swapped_joints", "degrees", "turns", "millimetres", "counts", "share_of_range", "encoder_zero", "motor_side", "given_unit"};
+  static const std::set<QualityKind> kNames = {QualityKind::kPositionSign, QualityKind::kSwappedJoints, QualityKind::kDegrees, QualityKind::kTurns, QualityKind::kMillimetres, QualityKind::kCounts, QualityKind::kShareOfRange, QualityKind::kEncoderZero, QualityKind::kMotorSide, QualityKind::kGivenUnit};
   // Degrees in velocities alone are an error of that signal.
-  return kNames.count(finding.finding) > 0 && (finding.finding != "degrees" || finding.signal.empty());
+  return kNames.count(finding.kind) > 0 && (finding.kind != QualityKind::kDegrees || finding.signal.empty());
 }
 
 bool is_large(const PredictionError& e) { return e.relative.size() > 0 && e.relative.maxCoeff() > checking::kCheckAboveError; }
@@ -167,21 +168,21 @@ std::vector<QualityFinding> contradictions_in(const Model& arm, const std::vecto
 }
 
 bool is_contradiction(const QualityFinding& finding) {
-  static const std::set<std::string> kOthers = {"torque_sign", "torque_unit", "torque_clock", "torque_delay", "torque_filter", "changed_midway", "current", "no_sign", "brakes", "gravity", "dh_convention", "unexplained", "rate_contradiction", "same_column"};
-  return finding.severity == Severity::kFault && (is_of_motion(finding) || kOthers.count(finding.finding) > 0);
+  static const std::set<QualityKind> kOthers = {QualityKind::kTorqueSign, QualityKind::kTorqueUnit, QualityKind::kTorqueClock, QualityKind::kTorqueDelay, QualityKind::kTorqueFilter, QualityKind::kChangedMidway, QualityKind::kCurrent, QualityKind::kNoSign, QualityKind::kBrakes, QualityKind::kGravity, QualityKind::kDhConvention, QualityKind::kUnexplained, QualityKind::kRateContradiction, QualityKind::kSameColumn};
+  return finding.severity == Severity::kFault && (is_of_motion(finding) || kOthers.count(finding.kind) > 0);
 }
 
 std::vector<QualityFinding> merged_findings(std::vector<QualityFinding> contradictions, const std::vector<QualityFinding>& quality) {
   const bool explained = std::any_of(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return is_contradiction(f) && is_of_motion(f); });
-  const auto of_columns = [](const QualityFinding& f) { return f.finding == "no_sign" || f.finding == "same_column" || f.finding == "zero_signal"; };
+  const auto of_columns = [](const QualityFinding& f) { return f.kind == QualityKind::kNoSign || f.kind == QualityKind::kSameColumn || f.kind == QualityKind::kZeroSignal; };
   if (std::any_of(quality.begin(), quality.end(), of_columns))
-    contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.finding == "unexplained" || f.finding == "no_sign"; }), contradictions.end());
+    contradictions.erase(std::remove_if(contradictions.begin(), contradictions.end(), [](const QualityFinding& f) { return f.kind == QualityKind::kUnexplained || f.kind == QualityKind::kNoSign; }), contradictions.end());
   for (const QualityFinding& f : quality) {
-    const bool same = f.finding == "degrees" || f.finding == "velocity_scale" || f.finding == "velocity_sign" || f.finding == "rate_contradiction";
+    const bool same = f.kind == QualityKind::kDegrees || f.kind == QualityKind::kVelocityScale || f.kind == QualityKind::kVelocitySign || f.kind == QualityKind::kRateContradiction;
     if (!explained || !same) contradictions.push_back(f);
   }
   // Rows that cannot be right are the cause of what does not fit the robot.
-  const auto rank = [](const QualityFinding& f) { return std::pair(-static_cast<int>(f.severity), f.finding != "jumps" && f.finding != "overflow"); };
+  const auto rank = [](const QualityFinding& f) { return std::pair(-static_cast<int>(f.severity), f.kind != QualityKind::kJumps && f.kind != QualityKind::kOverflow); };
   std::stable_sort(contradictions.begin(), contradictions.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   return contradictions;
 }

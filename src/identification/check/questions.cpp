@@ -81,35 +81,34 @@ RecordingQuestion numbered(RecordingQuestion q, double distance, std::function<s
   return q;
 }
 
-// The hypothesis that positions of all joints, or of the joint with this index (from 0) and name, were measured
-// on the motor side of a gear.
-RecordingQuestion before_the_gear(double ratio, bool velocity, int joint = -1, const std::string& name = "") {
+// The hypothesis that positions of all joints, or of the joint with this name, were measured on the motor side of a gear.
+RecordingQuestion before_the_gear(double ratio, bool velocity, std::optional<JointIndex> joint = {}, const std::string& name = "") {
   const double whole = std::round(ratio);
   const std::string words = fmt::format("{:.4g}", std::abs(ratio / whole - 1.0) < checking::kWholeRatio ? whole : ratio);
-  const std::string unit = fmt::format("{}={:.5g}", joint < 0 ? "" : std::to_string(joint + 1), 1.0 / std::stod(words));
-  return numbered({"motor_side", joint + 1, 0,
-                   (joint < 0 ? "Positions are those of the motors, in front of gears of about " : "The position of " + name + " is that of its motor, in front of a gear of about ") + words,
+  const std::string unit = fmt::format("{}={:.5g}", joint ? std::to_string(joint->value + 1) : "", 1.0 / std::stod(words));
+  return numbered({QualityKind::kMotorSide, joint, {},
+                   (joint ? "The position of " + name + " is that of its motor, in front of a gear of about " : "Positions are those of the motors, in front of gears of about ") + words,
                    "q" + unit + (velocity ? ",dq" + unit : "")},
                   checking::kRatioStep, [=](double distance) {
                     return std::vector<RecordingQuestion>{before_the_gear(ratio * (1.0 + distance), velocity, joint, name), before_the_gear(ratio / (1.0 + distance), velocity, joint, name)};
                   });
 }
 
-// The hypothesis that the joint (from 0) has this angle where the robot file has zero.
-RecordingQuestion zero_at(double zero, int joint, const std::string& name) {
+// The hypothesis that the joint has this angle where the robot file has zero.
+RecordingQuestion zero_at(double zero, JointIndex joint, const std::string& name) {
   const std::string words = fmt::format("{:.4g}", zero);
-  return numbered({"encoder_zero", joint + 1, 0, text("The position of ", name, " is counted from another zero, which lies at ", words, " rad"), text("q", joint + 1, "=rad@", words)},
+  return numbered({QualityKind::kEncoderZero, joint, {}, text("The position of ", name, " is counted from another zero, which lies at ", words, " rad"), text("q", joint.value + 1, "=rad@", words)},
                   checking::kZeroStep, [=](double distance) {
                     return std::vector<RecordingQuestion>{zero_at(zero + distance, joint, name), zero_at(zero - distance, joint, name)};
                   });
 }
 
-// The hypothesis that torques of all joints, or of the joint with this index (from 0) and name, were measured
+// The hypothesis that torques of all joints, or of the joint with this name, were measured
 // `late` seconds after the motion, and `later` seconds at the end of a recording of this length.
-RecordingQuestion torques_late(double late, double later, double length, int joint = -1, const std::string& name = "") {
+RecordingQuestion torques_late(double late, double later, double length, std::optional<JointIndex> joint = {}, const std::string& name = "") {
   const auto when = [](double by) { return fmt::format("{:.0f} ms {} the motion", 1e3 * std::abs(by), by < 0.0 ? "before" : "after"); };
   const bool drifts = late != later;
-  RecordingQuestion q{drifts ? "torque_clock" : "torque_delay", joint + 1, 0, joint < 0 ? "The torques were measured " : "The torque of " + name + " was measured "};
+  RecordingQuestion q{drifts ? QualityKind::kTorqueClock : QualityKind::kTorqueDelay, joint, {}, joint ? "The torque of " + name + " was measured " : "The torques were measured "};
   q.what += drifts ? fmt::format("by another clock, {} at the start and {} at the end", when(late), when(later)) : when(late);
   q.is_cause = !drifts;
   q.other = drifts ? "one clock for both" : fmt::format("a torque {:.0f} ms {}", 1e3 * std::abs(late), late < 0.0 ? "later" : "earlier");
@@ -121,7 +120,7 @@ RecordingQuestion torques_late(double late, double later, double length, int joi
       const Eigen::Index next = std::upper_bound(t.begin(), t.end(), at) - t.begin();
       const bool inside = next > 0 && next < r.rows();
       const double share = inside ? (at - t[next - 1]) / (t[next] - t[next - 1]) : 0.0;
-      for (Eigen::Index i = std::max(joint, 0); i <= (joint < 0 ? tau.cols() - 1 : joint); ++i)
+      for (Eigen::Index i = joint ? joint->value : 0; i <= (joint ? joint->value : tau.cols() - 1); ++i)
         r.tau(k, i) = inside ? (1.0 - share) * tau(next - 1, i) + share * tau(next, i) : std::nan("");
     }
   };
@@ -139,7 +138,7 @@ RecordingQuestion torques_late(double late, double later, double length, int joi
 
 // The hypothesis that torques passed a filter y += (1 - a) (x - y) with this time constant [s].
 RecordingQuestion torques_filtered(double constant) {
-  RecordingQuestion q{"torque_filter", 0, 0, fmt::format("The torques passed a low-pass of about {:.2g} Hz", 0.5 / (M_PI * constant))};
+  RecordingQuestion q{QualityKind::kTorqueFilter, {}, {}, fmt::format("The torques passed a low-pass of about {:.2g} Hz", 0.5 / (M_PI * constant))};
   q.other = "recording them without it";
   q.rows = [constant](Recording& r) {
     const MatrixXd tau = r.tau;
@@ -157,7 +156,7 @@ RecordingQuestion without_rows(Part part, double moment, const VectorXd& time) {
   const long row = std::lower_bound(time.begin(), time.end(), time[0] + moment) - time.begin();
   const bool after = part == Part::kAfter;
   const double length = time[time.size() - 1] - time[0];
-  RecordingQuestion q{"changed_midway", 0, 0, fmt::format("Something {} {:.3g} s does not fit with the rows {}, as a push, a load, an offset, an encoder that slipped or a sensor that failed",
+  RecordingQuestion q{QualityKind::kChangedMidway, {}, {}, fmt::format("Something {} {:.3g} s does not fit with the rows {}, as a push, a load, an offset, an encoder that slipped or a sensor that failed",
                                                          after ? "after" : "before", moment, after ? "before" : "after")};
   q.other = after ? fmt::format("--rows 0:{}", row) : fmt::format("--rows {}:", row);
   q.rows = [after, moment](Recording& changed) {
@@ -176,19 +175,19 @@ RecordingQuestion without_rows(Part part, double moment, const VectorXd& time) {
 
 // Units that the signals of all joints may have instead of SI.
 struct Unit {
-  const char* finding;
+  QualityKind kind;
   const char* what;
   const char* q;
   const char* dq;
 };
-constexpr Unit kAngles[] = {{"degrees", "Positions and velocities are degrees", "deg", "deg/s"},
-                            {"degrees", "Velocities are degrees per second", "", "deg/s"},
-                            {"degrees", "Positions are degrees", "deg", ""},
-                            {"turns", "Positions are turns", "rev", ""},
-                            {"turns", "Positions are turns, and velocities turns a minute", "rev", "rpm"},
-                            {"turns", "Velocities are turns a minute", "", "rpm"}};
-constexpr Unit kShares[] = {{"share_of_range", "Positions are shares of the range, -100 to 100", "%", ""},
-                            {"share_of_range", "Positions and velocities are shares of the range, -100 to 100", "%", "%"}};
+constexpr Unit kAngles[] = {{QualityKind::kDegrees, "Positions and velocities are degrees", "deg", "deg/s"},
+                            {QualityKind::kDegrees, "Velocities are degrees per second", "", "deg/s"},
+                            {QualityKind::kDegrees, "Positions are degrees", "deg", ""},
+                            {QualityKind::kTurns, "Positions are turns", "rev", ""},
+                            {QualityKind::kTurns, "Positions are turns, and velocities turns a minute", "rev", "rpm"},
+                            {QualityKind::kTurns, "Velocities are turns a minute", "", "rpm"}};
+constexpr Unit kShares[] = {{QualityKind::kShareOfRange, "Positions are shares of the range, -100 to 100", "%", ""},
+                            {QualityKind::kShareOfRange, "Positions and velocities are shares of the range, -100 to 100", "%", "%"}};
 
 class List {
  public:
@@ -223,8 +222,8 @@ class List {
   std::string joint_name(int i) const { return text("joint ", i + 1, " (", arm_.coordinates()[i].name, ")"); }
   bool has_velocity() const { return r_.dq.size() > 0; }
 
-  RecordingQuestion& add(const std::string& finding, int joint, const std::string& what, const std::string& units) {
-    out_.push_back({finding, joint, 0, what, units});
+  RecordingQuestion& add(QualityKind kind, std::optional<JointIndex> joint, const std::string& what, const std::string& units) {
+    out_.push_back({kind, joint, {}, what, units});
     return out_.back();
   }
 
@@ -243,12 +242,12 @@ class List {
     std::string of_motion, signals;
     for (const std::string& signal : all_) {
       const std::string units = without_given(signal);
-      if (!units.empty()) add("given_unit", 0, "the unit of " + signal + " is not that of the recording", units);
+      if (!units.empty()) add(QualityKind::kGivenUnit, {}, "the unit of " + signal + " is not that of the recording", units);
       if (units.empty() || signal == torque_) continue;
       of_motion = joined(of_motion, units);
       signals += (signals.empty() ? "" : " and ") + signal;
     }
-    if (signals.find(' ') != std::string::npos) add("given_unit", 0, "the units of " + signals + " are not those of the recording", of_motion);
+    if (signals.find(' ') != std::string::npos) add(QualityKind::kGivenUnit, {}, "the units of " + signals + " are not those of the recording", of_motion);
   }
 
   // Units that turn a signal back into the numbers of the file; empty: it was read as it is.
@@ -268,25 +267,25 @@ class List {
 
   void add_signs() {
     for (int i = 0; i < joints(); ++i) {
-      if (moves_[i]) add("torque_sign", i + 1, "The torque of " + joint_name(i) + " has the wrong sign", reversed({torque_}, i));
+      if (moves_[i]) add(QualityKind::kTorqueSign, JointIndex{i}, "The torque of " + joint_name(i) + " has the wrong sign", reversed({torque_}, i));
       if (!is_badly_explained(i)) continue;
-      add("position_sign", i + 1, "The position of " + joint_name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kPositionSignCost;
-      add("position_sign", i + 1, "Position and torque of " + joint_name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kPositionSignCost;
+      add(QualityKind::kPositionSign, JointIndex{i}, "The position of " + joint_name(i) + " is counted the other way round", reversed(motion_, i)).price = checking::kPositionSignCost;
+      add(QualityKind::kPositionSign, JointIndex{i}, "Position and torque of " + joint_name(i) + " are counted the other way round", reversed(all_, i)).price = checking::kPositionSignCost;
     }
-    if (joints() > 1) add("torque_sign", 0, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
+    if (joints() > 1) add(QualityKind::kTorqueSign, {}, "All torques have the wrong sign", torque_ + (torque_ == "i" ? "=-A" : "=-Nm"));
   }
 
   // Adds the hypothesis that positions and velocities of all joints are in another unit. Velocities are
   // derived again if the file has none in the new unit.
-  void add_unit(const std::string& finding, const std::string& what, const std::string& q, const std::string& dq) {
+  void add_unit(QualityKind kind, const std::string& what, const std::string& q, const std::string& dq) {
     if (!dq.empty() && !has_velocity()) return;
     const std::string units = joined(q.empty() ? "" : "q=" + q, dq.empty() ? "" : "dq=" + dq);
     const auto scales = scales_of("q", units, arm_);
-    for (int i = 0; i < r_.joints() && !q.empty() && finding != "degrees"; ++i) {
+    for (int i = 0; i < r_.joints() && !q.empty() && kind != QualityKind::kDegrees; ++i) {
       const double travel = std::abs(scales[i].factor) * (r_.q.col(i).maxCoeff<Eigen::PropagateNumbers>() - r_.q.col(i).minCoeff<Eigen::PropagateNumbers>());
       if (moves_[i] && (travel < checking::kLeastTravel || travel > checking::kMostTravel)) return;
     }
-    if (!has_velocity() || !parts_velocities(scales, scales_of("dq", units, arm_))) add(finding, 0, what, units);
+    if (!has_velocity() || !parts_velocities(scales, scales_of("dq", units, arm_))) add(kind, {}, what, units);
   }
 
   // True if velocities, integrated, differ from the travel of the positions by far more in these units than as recorded.
@@ -307,7 +306,7 @@ class List {
     return !more.empty() && median(more) > std::log(2.0);
   }
 
-  bool exceeds_plausible_range(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, i, r_)); }
+  bool exceeds_plausible_range(int i) const { return !slides(i) && moves_[i] && ((r_.q.col(i).array().abs() > checking::kMostTravel).any() || leaves_limits(arm_, {i}, r_)); }
 
   // Adds millimetres as the unit of positions and velocities, "q=mm,dq=mm/s"; for an arm with revolute
   // joints, of each prismatic joint alone.
@@ -317,62 +316,62 @@ class List {
       if (turning_ ? !slides(i) : i > 0) continue;
       units = joined(units, fmt::format(has_velocity() ? "q{0}=mm,dq{0}=mm/s" : "q{0}=mm", turning_ ? std::to_string(i + 1) : ""));
     }
-    add("millimetres", 0, "Positions of sliding joints are millimetres", units);
-    if (turning_) add("millimetres", 0, "Positions are millimetres and degrees", joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", units));
+    add(QualityKind::kMillimetres, {}, "Positions of sliding joints are millimetres", units);
+    if (turning_) add(QualityKind::kMillimetres, {}, "Positions are millimetres and degrees", joined(has_velocity() ? "q=deg,dq=deg/s" : "q=deg", units));
   }
 
   void add_angle_units() {
-    for (const Unit& u : kAngles) add_unit(u.finding, u.what, u.q, u.dq);
+    for (const Unit& u : kAngles) add_unit(u.kind, u.what, u.q, u.dq);
     int moving = 0, beyond = 0;
     for (int i = 0; i < joints(); ++i) moving += moves_[i] ? 1 : 0, beyond += exceeds_plausible_range(i) ? 1 : 0;
     for (int i = 0; i < joints(); ++i) {
       for (const double zero : checking::kZeros) {
-        if (is_badly_explained(i) && !slides(i)) out_.push_back(zero_at(zero, i, joint_name(i)));
+        if (is_badly_explained(i) && !slides(i)) out_.push_back(zero_at(zero, {i}, joint_name(i)));
       }
       // One joint alone in degrees, as separate drivers may publish it.
       if (beyond == moving || !exceeds_plausible_range(i)) continue;
-      if (has_velocity()) add("degrees", i + 1, "Position and velocity of " + joint_name(i) + " are degrees", fmt::format("q{0}=deg,dq{0}=deg/s", i + 1));
-      add("degrees", i + 1, "The position of " + joint_name(i) + " is in degrees", text("q", i + 1, "=deg"));
-      add_motor_side(r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>(), i, joint_name(i));
+      if (has_velocity()) add(QualityKind::kDegrees, JointIndex{i}, "Position and velocity of " + joint_name(i) + " are degrees", fmt::format("q{0}=deg,dq{0}=deg/s", i + 1));
+      add(QualityKind::kDegrees, JointIndex{i}, "The position of " + joint_name(i) + " is in degrees", text("q", i + 1, "=deg"));
+      add_motor_side(r_.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>(), JointIndex{i}, joint_name(i));
     }
     const double largest = r_.q.cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-    if (largest > checking::kMostTravel && !sliding_) add_motor_side(largest, -1, "");
+    if (largest > checking::kMostTravel && !sliding_) add_motor_side(largest, {}, "");
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.upper - j.lower); });
     for (const Unit& u : kShares) {
-      if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) add_unit(u.finding, u.what, u.q, u.dq);
+      if (limited && largest > checking::kMostTravel && largest < checking::kMostShare) add_unit(u.kind, u.what, u.q, u.dq);
     }
     if (sliding_ || largest < 2.0 * checking::kMostTravel) return;
     for (const int counts : checking::kCounts) {
       for (const std::string& zero : {std::string(), text("@", counts / 2)}) {
         for (const bool both : {false, true}) {
           const std::string unit = text(counts, "/rev");
-          add_unit("counts", text("Positions", both ? " and velocities" : "", " are counts of an encoder, ", counts, " a turn", zero.empty() ? "" : text(" and ", counts / 2, " at zero")),
+          add_unit(QualityKind::kCounts, text("Positions", both ? " and velocities" : "", " are counts of an encoder, ", counts, " a turn", zero.empty() ? "" : text(" and ", counts / 2, " at zero")),
                   unit + zero, both ? unit : "");
         }
       }
     }
   }
 
-  // Adds gear ratios that bring the largest angle of one joint (from 0), or of all, into the range of an arm.
-  void add_motor_side(double largest, int joint, const std::string& name) {
+  // Adds gear ratios that bring the largest angle of one joint, or of all, into the range of an arm.
+  void add_motor_side(double largest, std::optional<JointIndex> joint, const std::string& name) {
     for (double ratio = checking::kLeastRatio; ratio < checking::kMostRatio; ratio *= 1.0 + checking::kRatioStep) {
       if (largest / ratio < checking::kMostTravel && largest / ratio > checking::kLeastTravel) out_.push_back(before_the_gear(ratio, has_velocity(), joint, name));
     }
   }
 
   void add_torque_units() {
-    if (is_load_register()) add("torque_unit", 0, "Torques are load registers with a direction bit", "tau=load");
+    if (is_load_register()) add(QualityKind::kTorqueUnit, {}, "Torques are load registers with a direction bit", "tau=load");
     const bool limited = std::all_of(joints_.begin(), joints_.end(), [](const WantedJoint& j) { return std::isfinite(j.effort) && j.effort > 0.0; });
     for (const auto& [unit, words] : checking::kTorqueUnits) {
-      if (limited || std::string(words) == "in") add("torque_unit", 0, text("Torques are ", words, std::string(words) == "in" ? text(" ", unit) : " of the largest effort"), text("tau=", unit));
+      if (limited || std::string(words) == "in") add(QualityKind::kTorqueUnit, {}, text("Torques are ", words, std::string(words) == "in" ? text(" ", unit) : " of the largest effort"), text("tau=", unit));
     }
     for (int i = 0; i < joints(); ++i) {
       for (const char* unit : {"mNm", "Ncm"}) {
-        if (is_badly_explained(i) && !slides(i)) add("torque_unit", i + 1, "The torque of " + joint_name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
+        if (is_badly_explained(i) && !slides(i)) add(QualityKind::kTorqueUnit, JointIndex{i}, "The torque of " + joint_name(i) + " is in " + std::string(unit), text("tau", i + 1, "=", unit));
       }
     }
     if (std::all_of(arm_.coordinates().begin(), arm_.coordinates().end(), [](const Coordinate& c) { return c.drive_gain > 0.0; }))
-      add("current", 0, "Efforts are motor currents", "tau=A");
+      add(QualityKind::kCurrent, {}, "Efforts are motor currents", "tau=A");
   }
 
   // Adds other units of the torques, by the factors that fit best: of one joint, and of all.
@@ -386,7 +385,7 @@ class List {
     for (int i = 0; i < joints(); ++i) {
       if (fit.ratios[i] * all[i] > 0.0) common.push_back(1.0 / (fit.ratios[i] * all[i]));
       if (joints() == 1 || !moves_[i] || !is_beyond(fit.alone[i], checking::kOwnFactor)) continue;
-      RecordingQuestion& q = add("torque_unit", i + 1, fmt::format("The torque of {} fits with a factor of {:.4g}, as a wrong gain, a current or in front of a gear", joint_name(i), fit.alone[i]), unit(i, fit.alone[i]));
+      RecordingQuestion& q = add(QualityKind::kTorqueUnit, JointIndex{i}, fmt::format("The torque of {} fits with a factor of {:.4g}, as a wrong gain, a current or in front of a gear", joint_name(i), fit.alone[i]), unit(i, fit.alone[i]));
       q.price = checking::kFittedNumberCost;
       q.is_cause = !is_far(fit.alone[i]);
     }
@@ -402,7 +401,7 @@ class List {
       if (known) units = joined(units, unit(i, all[i]));
       gears += (i > 0 ? ", " : "") + (known ? fmt::format("{:.4g}", all[i]) : "?");
     }
-    add("torque_unit", 0, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kFittedNumberCost * joints();
+    add(QualityKind::kTorqueUnit, {}, "Torques are in a unit of their own on each joint, as currents or in front of gears of about " + gears, units).price = checking::kFittedNumberCost * joints();
   }
 
   // Tests whether brakes hold the arm between its motions, so that its torques at rest are meaningless.
@@ -410,7 +409,7 @@ class List {
     const std::vector<char> rests = rows_at_rest(r_);
     const long count = std::count(rests.begin(), rests.end(), 1);
     if (count == 0 || 2 * count > static_cast<long>(rests.size())) return;
-    RecordingQuestion& q = add("brakes", 0, "While the arm rests, its torques are not those that hold it, as with closed brakes", "");
+    RecordingQuestion& q = add(QualityKind::kBrakes, {}, "While the arm rests, its torques are not those that hold it, as with closed brakes", "");
     q.other = fmt::format("--min-speed {}", checking::kAtRest);
     q.rows = [rests](Recording& r) {
       for (std::size_t k = 0; k < rests.size(); ++k) {
@@ -431,7 +430,7 @@ class List {
         out_.push_back(torques_late(d, d, length));
         out_.push_back(torques_late(0.0, checking::kDrift * d, length));
         for (int i = 0; i < joints() && joints() > 1; ++i) {
-          if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, i, joint_name(i)));
+          if (is_badly_explained(i)) out_.push_back(torques_late(d, d, length, JointIndex{i}, joint_name(i)));
         }
       }
     }
@@ -455,8 +454,8 @@ class List {
   }
 
   // Adds another order of these signals' columns: `order` has the index of the column that holds each joint.
-  RecordingQuestion& arranged(int joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
-    RecordingQuestion& q = add("swapped_joints", joint, what, "");
+  RecordingQuestion& arranged(std::optional<JointIndex> joint, const std::string& what, const Names& signals, const std::vector<int>& order) {
+    RecordingQuestion& q = add(QualityKind::kSwappedJoints, joint, what, "");
     for (const std::string& signal : signals) {
       for (std::size_t i = 0; i < order.size(); ++i) {
         if (order[i] != static_cast<int>(i)) q.map = joined(q.map, fmt::format("{0}{1}={0}{2}", signal, i + 1, order[i] + 1));
@@ -476,9 +475,9 @@ class List {
         std::vector<int> order = own;
         std::swap(order[i], order[j]);
         const std::string pair = joint_name(i) + " and " + joint_name(j);
-        arranged(i + 1, "The torques of " + pair + " are swapped", {torque_}, order).second = j + 1;
-        arranged(i + 1, "Positions and velocities of " + pair + " are swapped", motion_, order).second = j + 1;
-        arranged(i + 1, "The whole of " + pair + " is swapped", all_, order).second = j + 1;
+        arranged(JointIndex{i}, "The torques of " + pair + " are swapped", {torque_}, order).second = JointIndex{j};
+        arranged(JointIndex{i}, "Positions and velocities of " + pair + " are swapped", motion_, order).second = JointIndex{j};
+        arranged(JointIndex{i}, "The whole of " + pair + " is swapped", all_, order).second = JointIndex{j};
       }
     }
     std::vector<int> sorted = own, alphabetical = own, on = own, back = own;
@@ -489,12 +488,12 @@ class List {
     int moved = 0;
     for (int i = 0; i < joints(); ++i) moved += alphabetical[i] != i ? 1 : 0;
     if (moved > 2) {  // two moved joints are an exchange
-      arranged(0, "All columns are in the alphabetical order of the joints' names", all_, alphabetical);
-      arranged(0, "The torques are in the alphabetical order of the joints' names", {torque_}, alphabetical);
+      arranged({}, "All columns are in the alphabetical order of the joints' names", all_, alphabetical);
+      arranged({}, "The torques are in the alphabetical order of the joints' names", {torque_}, alphabetical);
     }
     if (joints() < 3) return;
-    arranged(0, "The torques stand one column too far to the right", {torque_}, on);
-    arranged(0, "The torques stand one column too far to the left", {torque_}, back);
+    arranged({}, "The torques stand one column too far to the right", {torque_}, on);
+    arranged({}, "The torques stand one column too far to the left", {torque_}, back);
   }
 
   void add_gravity_directions() {
@@ -515,7 +514,7 @@ class List {
     const auto row = std::find_if(frames.begin(), frames.end(), [](const Frame& f) { return f.dh.has_value(); });
     const bool standard = row->dh->convention == DhConvention::kStandard;
     const std::string other = standard ? "modified" : "standard";
-    RecordingQuestion& q = add("dh_convention", 0, text("The DH rows of the robot file are written in the ", other, " convention"), "");
+    RecordingQuestion& q = add(QualityKind::kDhConvention, {}, text("The DH rows of the robot file are written in the ", other, " convention"), "");
     q.other = text("convention: ", other, " in the robot file");
     q.robot = [standard](ModelDescription& d) {
       for (Frame& frame : d.frames) {
@@ -630,39 +629,38 @@ class ReadingOptions {
 };
 
 // True if the hypothesis concerns the unit of positions, of which there is only one.
-bool is_position_unit(const RecordingQuestion& q) { return q.units.rfind('q', 0) == 0 && q.finding != "position_sign"; }
+bool is_position_unit(const RecordingQuestion& q) { return q.units.rfind('q', 0) == 0 && q.kind != QualityKind::kPositionSign; }
 
 }  // namespace
 
 bool RecordingQuestion::is_whole() const { return map.rfind('q', 0) == 0 && map.find_first_of("ti") != std::string::npos; }
 
 bool RecordingQuestion::excludes(const RecordingQuestion& o) const {
-  if (is_position_unit(*this) && is_position_unit(o)) return joint == 0 || o.joint == 0 || joint == o.joint;
-  if (finding == "torque_unit" && o.finding == "current") return true;
-  if (robot || o.robot) return finding == o.finding;
+  if (is_position_unit(*this) && is_position_unit(o)) return !joint || !o.joint || joint == o.joint;
+  if (kind == QualityKind::kTorqueUnit && o.kind == QualityKind::kCurrent) return true;
+  if (robot || o.robot) return kind == o.kind;
   // Exchanged torques and exchanged motions of the same two joints are one mistake.
-  if (second != 0 && joint == o.joint && second == o.second && !is_whole() && !o.is_whole()) return false;
-  if (finding != o.finding && (finding == "torque_sign" || o.finding == "torque_sign" || finding == "torque_unit" || o.finding == "torque_unit" ||
-                               joint * o.joint == 0))
+  if (second && joint == o.joint && second == o.second && !is_whole() && !o.is_whole()) return false;
+  if (kind != o.kind && (kind == QualityKind::kTorqueSign || o.kind == QualityKind::kTorqueSign || kind == QualityKind::kTorqueUnit || o.kind == QualityKind::kTorqueUnit ||
+                               !joint || !o.joint))
     return false;
-  const auto concerns = [&o](int k) { return k != 0 && (k == o.joint || k == o.second); };
-  return joint == 0 || o.joint == 0 || concerns(joint) || concerns(second);
+  const auto concerns = [&o](std::optional<JointIndex> k) { return k && (k == o.joint || k == o.second); };
+  return !joint || !o.joint || concerns(joint) || concerns(second);
 }
 
 std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const SignalChoice& given, const std::vector<bool>& moves, const QuickFit& fit) {
   return List(arm, recording, given, moves, fit).all(fit);
 }
 
-bool leaves_limits(const Model& arm, int i, const Recording& recording) {
-  const Limits& limits = arm.coordinates()[i].limits;
+bool leaves_limits(const Model& arm, JointIndex joint, const Recording& recording) {
+  const Limits& limits = arm.coordinates()[joint.value].limits;
   const double margin = checking::kBeyondLimits * (limits.upper - limits.lower);
-  const auto q = recording.q.col(i).array();
+  const auto q = recording.q.col(joint.value).array();
   return std::isfinite(margin) && (q < limits.lower - margin || q > limits.upper + margin).any();
 }
 
 RecordingQuestion gravity_along(const Eigen::Vector3d& gravity) {
-  RecordingQuestion q;
-  q.finding = "gravity";
+  RecordingQuestion q{QualityKind::kGravity};
   const Eigen::Vector3d g = (gravity.array().abs() < checking::kTiny).select(0.0, gravity);
   const std::string words = fmt::format("{:.4g},{:.4g},{:.4g}", g[0], g[1], g[2]);
   q.what = g.isZero() ? "The torques hold no gravity, as the commands of a controller that compensates it"

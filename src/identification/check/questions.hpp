@@ -1,21 +1,23 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "identification/check/quick_fit.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 
 /// A mistake that a recording or a robot file may contain, and the options that correct it.
 struct RecordingQuestion {
-  std::string finding;  ///< name of the finding, see check_against()
-  int joint = 0;        ///< number of the joint from 1; 0: all
-  int second = 0;       ///< the other joint of an exchange, from 1; 0: none
-  std::string what;     ///< "Positions are degrees"
+  QualityKind kind;  ///< of the finding
+  std::optional<JointIndex> joint = {};   ///< nullopt: all
+  std::optional<JointIndex> second = {};  ///< the other joint of an exchange
+  std::string what = {};  ///< "Positions are degrees"
   std::string units = {};  ///< units for --units, applied by apply_to(); empty: none
   std::string map = {};    ///< for --map, applied by apply_to(); empty: none
   std::string other = {};  ///< other correction: an option, or an entry of the robot file
@@ -44,8 +46,8 @@ struct RecordingQuestion {
 /// exchanged.
 std::vector<RecordingQuestion> questions_of(const Model& arm, const Recording& recording, const SignalChoice& given, const std::vector<bool>& moves, const QuickFit& fit);
 
-/// True if positions of a joint (from 0) lie outside of its limits.
-bool leaves_limits(const Model& arm, int joint, const Recording& recording);
+/// True if positions of a joint lie outside of its limits.
+bool leaves_limits(const Model& arm, JointIndex joint, const Recording& recording);
 
 /// Gravity in this direction; zero: the torques contain no gravity.
 RecordingQuestion gravity_along(const Eigen::Vector3d& gravity);

@@ -98,7 +98,7 @@ std::shared_ptr<const RegressorMoments> QuickFitter::moments(const Recording& re
   std::vector<std::vector<int>> own(static_cast<std::size_t>(n));  // indices of the base columns among those of a joint
   out->columns.resize(own.size());
   for (int i = 0; i < n; ++i) {
-    const std::vector<int>& all = columns.parameters_of(i);
+    const std::vector<int>& all = columns.parameters_of({i});
     for (int j = 0; j < base_.size(); ++j) {
       const auto there = std::find(all.begin(), all.end(), base_.independent[j]);
       if (there == all.end()) continue;
@@ -296,7 +296,7 @@ VectorXd QuickFitter::independent_spring_shares(const Recording& recording) cons
   VectorXd out = VectorXd::Ones(arm_.joints());
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     if (!parameters[p].effect || sprung.effects()[static_cast<std::size_t>(*parameters[p].effect)].effect != kJointSpring) continue;
-    const int joint = main_coordinate(sprung.effects()[static_cast<std::size_t>(*parameters[p].effect)].axis);
+    const JointIndex joint = main_coordinate(sprung.effects()[static_cast<std::size_t>(*parameters[p].effect)].axis);
     const auto last = [&](std::vector<std::string> columns) {
       columns.push_back(names[p]);
       const MatrixXd R = total.restricted(columns).R();
@@ -308,7 +308,7 @@ VectorXd QuickFitter::independent_spring_shares(const Recording& recording) cons
       const EffectTerm& term = sprung.effects()[static_cast<std::size_t>(*parameters[k].effect)];
       if (term.effect == kPlainOffset && main_coordinate(term.axis) == joint) offset = {names[k]};
     }
-    out[joint] = last(base) / std::max(last(offset), 1e-300);
+    out[joint.value] = last(base) / std::max(last(offset), 1e-300);
   }
   return out;
 }

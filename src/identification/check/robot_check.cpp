@@ -13,7 +13,7 @@
 #include "identification/check/quick_fit.hpp"
 #include "identification/check/questions.hpp"
 #include "identification/identification_numbers.hpp"
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
@@ -102,7 +102,7 @@ class RobotCheck {
   static bool helps(const Answer& answer, const QuickFit& before) {
     const QuickFit& after = answer.fit;
     const bool is_sure = std::all_of(answer.set.begin(), answer.set.end(), [&](const RecordingQuestion& q) {
-      return q.joint == 0 ? after.relative_error() < checking::kUnexplained : std::sqrt(after.shares[q.joint - 1]) < checking::kSignCertain;
+      return q.joint ? std::sqrt(after.shares[q.joint->value]) < checking::kSignCertain : after.relative_error() < checking::kUnexplained;
     });
     if (is_explained(answer)) return true;
     if (std::any_of(answer.set.begin(), answer.set.end(), [](const RecordingQuestion& q) { return is_fitted(q) || scales_joints_apart(q); }))
@@ -118,7 +118,7 @@ class RobotCheck {
       const auto tau = recording_.tau.col(i).array();
       const bool touches = tau.abs().minCoeff() < checking::kReachesZero * std::sqrt(tau.square().mean());
       if (moves(i) && left > checking::kSignCertain && touches && !((tau < 0.0).any() && (tau > 0.0).any()))
-        add_finding("no_sign", i + 1, left, text("The torque of ", joint_text(i), " has one sign in every row, and ", percent_text(left), " of it does not follow from the motion: a size without its sign?"));
+        add_finding(QualityKind::kNoSign, JointIndex{i}, left, text("The torque of ", joint_text(i), " has one sign in every row, and ", percent_text(left), " of it does not follow from the motion: a size without its sign?"));
     }
     return findings_.size() > known;
   }
@@ -128,14 +128,14 @@ class RobotCheck {
     int worst = 0;
     const double left = std::sqrt(best_.fit.fitted.maxCoeff(&worst));
     if (!findings_.empty() || !moves(worst) || !(left > checking::kCheckAboveError)) return;
-    add_finding("unexplained", worst + 1, left,
+    add_finding(QualityKind::kUnexplained, JointIndex{worst}, left,
         text("With all its parameters free ", given_.name(), " leaves ", percent_text(left), " of the torque of ", joint_text(worst),
              ": it lacks something, or something is wrong with the recording; `veridyn diagnose` asks what."), Severity::kWarning);
   }
 
   void report_not_this_arm() {
     if (best_.fit.relative_error() > checking::kUnexplained && best_.fit.fitted_relative_error() > checking::kUnexplained) {
-      add_finding("unexplained", 0, best_.fit.relative_error(),
+      add_finding(QualityKind::kUnexplained, {}, best_.fit.relative_error(),
           text("With all its parameters free ", given_.name(), " leaves ", percent_text(best_.fit.relative_error()),
                " of the torque on held-out rows, and no single mistake that `check` knows explains it: the torques of another robot, or a time or a column that does not belong to the others?"));
       return;
@@ -143,7 +143,7 @@ class RobotCheck {
     for (int i = 0; i < joints(); ++i) {
       const double left = std::sqrt(best_.fit.shares[i]);
       if (moves(i) && left > checking::kUnexplainedJoint && std::sqrt(best_.fit.fitted[i]) > checking::kUnexplained)
-        add_finding("unexplained", i + 1, left, text("Nothing of the torque of ", joint_text(i), " follows from its motion: a joint that nothing drives, or another signal in its column?"));
+        add_finding(QualityKind::kUnexplained, JointIndex{i}, left, text("Nothing of the torque of ", joint_text(i), " follows from its motion: a joint that nothing drives, or another signal in its column?"));
     }
   }
 
@@ -160,9 +160,9 @@ class RobotCheck {
     for (int i = 0; i < joints(); ++i) {
       if (!moves(i)) moving.col(i).setZero();
     }
-    const std::vector<std::vector<int>> as_one = correlated_columns(moving);
+    const std::vector<std::vector<JointIndex>> as_one = correlated_joints(moving);
     if (!as_one.empty()) {
-      add_finding("not_compared", as_one.front().front() + 1, 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
+      add_finding(QualityKind::kNotCompared, as_one.front().front(), 0.0, text("Signs, order and units of the joints are not compared with ", given_.name(), ": joints ", numbers_from_one(as_one.front()), " move as one."), Severity::kInfo);
       return false;
     }
     const auto [determined, all, condition] = fitter_.rank_and_condition(recording_);
@@ -170,7 +170,7 @@ class RobotCheck {
     // Wrong units change the columns and their condition number, so that units are tested before the check is
     // given up.
     if (determined >= all && find_unit()) return true;
-    add_finding("not_compared", 0, determined,
+    add_finding(QualityKind::kNotCompared, {}, determined,
         text("Signs, order and units of the joints are not compared with ", given_.name(),
              ": the recording ", determined < all ? "determines " : "hardly tells apart ",
              determined, " of its ", all, " base parameters.",
@@ -184,7 +184,7 @@ class RobotCheck {
     Answer as_recorded;
     as_recorded.fit = fit_of({});
     std::vector<RecordingQuestion> units = open_questions(as_recorded);
-    units.erase(std::remove_if(units.begin(), units.end(), [](const RecordingQuestion& q) { return q.joint != 0 || q.units.empty(); }), units.end());
+    units.erase(std::remove_if(units.begin(), units.end(), [](const RecordingQuestion& q) { return q.joint || q.units.empty(); }), units.end());
     const std::vector<Answer> all = evaluate_hypotheses(as_recorded, units);
     return std::any_of(all.begin(), all.end(), [&](const Answer& one) { return is_explained(one.fit) && !is_explained(as_recorded.fit); });
   }
@@ -195,8 +195,8 @@ class RobotCheck {
     for (int i = 0; i < joints() && recording.rows() > 0; ++i) {
       const Limits& limits = given_.coordinates()[i].limits;
       const double share = travel(i, recording) / (limits.upper - limits.lower);
-      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
-      add_finding("hardly_moves", i + 1, share,
+      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMovingShare)) continue;
+      add_finding(QualityKind::kHardlyMoves, JointIndex{i}, share,
           text("In its first ", quality::number(recording.time[recording.rows() - 1] - recording.time[0]), " s ", joint_text(i),
                " moves over ", percent_text(share), " of its range: little of its friction and inertia can be identified."), Severity::kWarning);
     }
@@ -208,7 +208,7 @@ class RobotCheck {
     for (int i = 0; i < joints(); ++i) {
       const Coordinate& c = given_.coordinates()[i];
       if (!moves(i) || c.prismatic || !(apart[i] < checking::kSpringApart) || travel(i, recording_) > checking::kWeakly * (c.limits.upper - c.limits.lower)) continue;
-      add_finding("weak_motion", i + 1, apart[i],
+      add_finding(QualityKind::kWeakMotion, JointIndex{i}, apart[i],
           text("The motion of ", joint_text(i), " is too small for its torque at other angles: a spring and a load cannot be told apart (",
                percent_text(1.0 - apart[i]), " of a spring's torque could be gravity's)."), Severity::kWarning);
     }
@@ -218,17 +218,20 @@ class RobotCheck {
   bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
   std::string joint_text(int i) const { return text("joint ", i + 1, " (", given_.coordinates()[static_cast<size_t>(i)].name, ")"); }
 
-  // @param joint  counted from 1; 0: none.
-  void add_finding(const std::string& finding, int joint, double value, const std::string& sentence, Severity severity = Severity::kFault) {
+  void add_finding(QualityKind kind, std::optional<JointIndex> joint, double value, const std::string& sentence, Severity severity = Severity::kFault) {
     QualityFinding f;
     f.file = recording_.source;
-    f.finding = finding;
+    f.kind = kind;
     f.joint = joint;
     f.share = quality::kNone;
     f.value = value;
     f.severity = severity;
     f.sentence = sentence;
     findings_.push_back(std::move(f));
+  }
+
+  static bool is_of_torques(QualityKind kind) {
+    return kind == QualityKind::kTorqueSign || kind == QualityKind::kTorqueUnit || kind == QualityKind::kTorqueClock || kind == QualityKind::kTorqueDelay || kind == QualityKind::kTorqueFilter;
   }
 
   static bool is_explained(const QuickFit& fit) { return fit.is_near() && fit.contradictions == 0.0; }
@@ -238,7 +241,7 @@ class RobotCheck {
   static bool is_fitted(const RecordingQuestion& q) { return (q.robot || q.rows) && q.neighbours; }
   // True for different factors on single torques, which can imitate many missing effects.
   static bool scales_joints_apart(const RecordingQuestion& q) {
-    return q.finding == "torque_unit" && (q.joint != 0 || q.price > 0.0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
+    return q.kind == QualityKind::kTorqueUnit && (q.joint || q.price > 0.0 || q.units == "tau=%" || q.units == "tau=permille" || q.units == "tau=share");
   }
   static bool is_explained(const Answer& answer) {
     const bool fitted = std::any_of(answer.set.begin(), answer.set.end(), is_fitted);
@@ -287,7 +290,7 @@ class RobotCheck {
       one.fitted_gain = before.fit.fitted_misfit - one.fit.fitted_misfit;
       // A hypothesis that excludes rows is compared on the remaining rows, since the excluded ones bias a fit
       // to all rows.
-      if (questions[k].finding == "changed_midway" && one.fit.moments != nullptr && before.fit.values.size() > 0)
+      if (questions[k].kind == QualityKind::kChangedMidway && one.fit.moments != nullptr && before.fit.values.size() > 0)
         one.fitted_gain = fitter_.misfit_of(before.fit.values, *one.fit.moments, torques_of(one.set)) + one.fit.contradictions - one.fit.fitted_misfit;
       if (!(one.fit.misfit < before.fit.misfit)) one.fit.moments.reset();
     });
@@ -300,9 +303,9 @@ class RobotCheck {
     std::vector<RecordingQuestion> all = questions_of(given_, recording_, options_.signals, moves_, so_far.fit);
     const bool fits = so_far.fit.is_near();
     const auto closed = [&](const RecordingQuestion& q) {
-      if (fits && q.finding != "gravity" && q.finding != "current" && q.finding.rfind("torque", 0) != 0) return true;
+      if (fits && q.kind != QualityKind::kGravity && q.kind != QualityKind::kCurrent && !is_of_torques(q.kind)) return true;
       return std::any_of(so_far.set.begin(), so_far.set.end(), [&](const RecordingQuestion& chosen) {
-        return chosen.excludes(q) || (chosen.finding == q.finding && chosen.joint == q.joint && chosen.second == q.second);
+        return chosen.excludes(q) || (chosen.kind == q.kind && chosen.joint == q.joint && chosen.second == q.second);
       });
     };
     all.erase(std::remove_if(all.begin(), all.end(), closed), all.end());
@@ -318,10 +321,10 @@ class RobotCheck {
       for (const Answer& parent : beam) {
         for (Answer& one : evaluate_hypotheses(parent, open_questions(parent))) {
           const RecordingQuestion& q = one.set.back();
-          const double needed = q.finding == "current" ? checking::kGainsBetter : checking::kMisfitDecrease;
+          const double needed = q.kind == QualityKind::kCurrent ? checking::kGainsBetter : checking::kMisfitDecrease;
           one.score = parent.score + one.fit.misfit - parent.fit.misfit + needed + q.price;
           // The file's values are those of its own convention, so that they cannot contradict the other one.
-          if (q.finding == "dh_convention") one.score += parent.fit.contradictions - one.fit.contradictions;
+          if (q.kind == QualityKind::kDhConvention) one.score += parent.fit.contradictions - one.fit.contradictions;
           one.before = parent.fit.folds;
           // Rows that differ from all others have a large held-out error without any mistake. The correction of
           // a mistake, in contrast, also lowers the error of a fit to all rows.
@@ -376,7 +379,7 @@ class RobotCheck {
     std::vector<Answer> kept;
     for (Answer& one : sorted) {
       const bool again = one.set.back().neighbours && std::any_of(kept.begin(), kept.end(), [&](const Answer& other) {
-                           return other.set.size() == one.set.size() && other.set.back().finding == one.set.back().finding && other.set.back().joint == one.set.back().joint &&
+                           return other.set.size() == one.set.size() && other.set.back().kind == one.set.back().kind && other.set.back().joint == one.set.back().joint &&
                                   std::equal(other.set.begin(), other.set.end() - 1, one.set.begin(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return a.what == b.what; });
                          });
       if (!again && static_cast<int>(kept.size()) < checking::kBeam) kept.push_back(std::move(one));
@@ -388,15 +391,15 @@ class RobotCheck {
   // joints move alike and the arm does not explain a torque; or a set helps in a part of the recording only.
   static const char* reason_for_uncertainty(const Answer& answer, const std::vector<Answer>& others) {
     const RecordingQuestion& q = answer.set.back();
-    if (is_explained(answer) || q.finding == "torque_sign" || q.neighbours) return nullptr;
+    if (is_explained(answer) || q.kind == QualityKind::kTorqueSign || q.neighbours) return nullptr;
     for (const Answer& other : others) {
       const RecordingQuestion& rival = other.set.back();
       const bool same = rival.what == q.what || other.set.size() != answer.set.size();
       if (!same && q.excludes(rival) && other.score < answer.score + checking::kMisfitDecrease)
         return "another exchange does nearly as well, so that none of them is sure";
     }
-    for (const int k : {q.joint, q.second}) {
-      if (k > 0 && (answer.fit.folds.row(k - 1).array() > answer.before.row(k - 1).array()).any())
+    for (const std::optional<JointIndex> k : {q.joint, q.second}) {
+      if (k && (answer.fit.folds.row(k->value).array() > answer.before.row(k->value).array()).any())
         return "a joint that it concerns is explained no better in a part of the recording";
     }
     return nullptr;
@@ -404,7 +407,7 @@ class RobotCheck {
 
   // Refines the fitted number of the last hypothesis, with steps that are halved.
   Answer polished(Answer answer) const {
-    if (answer.set.back().finding == "encoder_zero" && is_explained(answer)) return answer;  // an exact multiple of a quarter turn
+    if (answer.set.back().kind == QualityKind::kEncoderZero && is_explained(answer)) return answer;  // an exact multiple of a quarter turn
     const double first = answer.set.back().first_distance;
     for (double step = 0.5 * first; answer.set.back().neighbours && step > checking::kFinest * first;) {
       Answer without = answer;
@@ -425,7 +428,7 @@ class RobotCheck {
   // Number of joints whose positions lie outside of their limits.
   int beyond_limits(const Recording& recording) const {
     int out = 0;
-    for (int i = 0; i < joints(); ++i) out += leaves_limits(given_, i, recording) ? 1 : 0;
+    for (int i = 0; i < joints(); ++i) out += leaves_limits(given_, {i}, recording) ? 1 : 0;
     return out;
   }
 
@@ -445,16 +448,17 @@ class RobotCheck {
   void report_efforts(const Recording& recording) {
     double most = 0.0;
     std::string names;
-    int first = 0, count = 0;
+    std::optional<JointIndex> first;
+    int count = 0;
     for (int i = 0; i < joints(); ++i) {
       const double share = share_of_effort(i, recording);
       if (!(share > checking::kBeyondEffort)) continue;
-      if (++count == 1) first = i + 1;
+      if (++count == 1) first = JointIndex{i};
       most = std::max(most, share);
       names += (names.empty() ? "" : ", ") + joint_text(i);
     }
     if (count > 0)
-      add_finding("beyond_effort", count == 1 ? first : 0, most,
+      add_finding(QualityKind::kBeyondEffort, count == 1 ? first : std::nullopt, most,
           text("The torque of ", names, " reaches ", quality::number(most), " times the effort of the robot file: another unit, another drive gain, or a wrong effort?"));
   }
 
@@ -463,12 +467,12 @@ class RobotCheck {
     for (int i = 0; i < joints(); ++i) {
       const Limits& limits = given_.coordinates()[static_cast<size_t>(i)].limits;
       const double furthest = recording.q.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>();
-      if (moves(i) && leaves_limits(given_, i, recording))
-        add_finding("beyond_limits", i + 1, furthest, text("The position of ", joint_text(i), " reaches ", quality::number(furthest), ", and the limits of the robot file are ", quality::number(limits.lower), " to ", quality::number(limits.upper),
+      if (moves(i) && leaves_limits(given_, JointIndex{i}, recording))
+        add_finding(QualityKind::kBeyondLimits, JointIndex{i}, furthest, text("The position of ", joint_text(i), " reaches ", quality::number(furthest), ", and the limits of the robot file are ", quality::number(limits.lower), " to ", quality::number(limits.upper),
                                                            ": another unit, another zero, or wrong limits?"), Severity::kWarning);
       const double speed = recording.dq.size() > 0 ? recording.dq.col(i).cwiseAbs().maxCoeff<Eigen::PropagateNumbers>() : 0.0;
       if (limits.velocity > 0.0 && speed > checking::kBeyondEffort * limits.velocity)
-        add_finding("beyond_speed", i + 1, speed, text("The speed of ", joint_text(i), " reaches ", quality::number(speed / limits.velocity), " times the limit of the robot file: another unit, or a wrong limit?"), Severity::kWarning);
+        add_finding(QualityKind::kBeyondSpeed, JointIndex{i}, speed, text("The speed of ", joint_text(i), " reaches ", quality::number(speed / limits.velocity), " times the limit of the robot file: another unit, or a wrong limit?"), Severity::kWarning);
     }
   }
 
@@ -476,10 +480,10 @@ class RobotCheck {
   // efforts. A change of units also needs positions that cannot be radians.
   bool is_possible(const Answer& answer) const {
     const RecordingQuestion& q = answer.set.back();
-    if (q.finding == "torque_unit" && beyond_efforts(corrected_recording(answer.set)) > beyond_efforts(recording_)) return false;
+    if (q.kind == QualityKind::kTorqueUnit && beyond_efforts(corrected_recording(answer.set)) > beyond_efforts(recording_)) return false;
     const int as_recorded = beyond_limits(recording_);
     const auto limited = [](const Coordinate& c) { return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower); };
-    if (q.units.rfind("q=", 0) == 0 && q.finding != "turns" && q.finding != "given_unit")
+    if (q.units.rfind("q=", 0) == 0 && q.kind != QualityKind::kTurns && q.kind != QualityKind::kGivenUnit)
       return as_recorded > 0 || std::none_of(given_.coordinates().begin(), given_.coordinates().end(), limited);
     return beyond_limits(corrected_recording(answer.set)) <= as_recorded;
   }
@@ -487,13 +491,13 @@ class RobotCheck {
   void report_uncertain(const Answer& answer, const std::string& but) {
     const RecordingQuestion& q = answer.set.back();
     if (recording_.rows() < checking::kRowsOfAnArm) return;
-    add_finding(q.finding, q.joint, answer.fit.relative_error(), text("Perhaps ", uncapitalised(q.what), ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
+    add_finding(q.kind, q.joint, answer.fit.relative_error(), text("Perhaps ", uncapitalised(q.what), ": ", reason_for(q, answer.fit.relative_error(), best_.fit.relative_error()), ", but ", but, std::string(but).back() == '?' ? "" : "."),
         Severity::kInfo);
   }
 
   static std::string reason_for(const RecordingQuestion& q, double left, double without) {
     if (left < checking::kFitCounts * without) return text("so the arm leaves ", percent_text(left), " of the torque on held-out rows instead of ", percent_text(without));
-    return q.finding == "torque_sign" ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
+    return q.kind == QualityKind::kTorqueSign ? "so say its friction and the values of the robot file" : "so say the values of the robot file";
   }
 
   // Relative error (n) of the torques that were not excluded with the values of the robot, divided by that with free ones; empty
@@ -526,7 +530,7 @@ class RobotCheck {
   // If something changes within the recording, keeps the part that the known values explain. Returns the option for the other
   // part if it fits as well and nothing tells which one is sound.
   std::string other_sound_part() {
-    const auto cut = std::find_if(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& q) { return q.finding == "changed_midway"; });
+    const auto cut = std::find_if(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& q) { return q.kind == QualityKind::kChangedMidway; });
     if (cut == best_.set.end()) return "";
     const double step = (recording_.time[recording_.rows() - 1] - recording_.time[0]) / checking::kMoments;
     Answer rest;  // the part on the other side of the change that fits best
@@ -551,7 +555,7 @@ class RobotCheck {
     int worst = 0;
     if (ratios.size() == 0 || !(ratios.maxCoeff(&worst) > identifying::numbers.outstanding)) return;
     const double left = ratios[worst] * free_error(best_, worst);
-    add_finding("values", worst + 1, left,
+    add_finding(QualityKind::kValues, JointIndex{worst}, left,
         text("The values of ", given_.name(), " leave ", percent_text(left), " of the torque of ", joint_text(worst), ", free parameters ", percent_text(std::sqrt(best_.fit.shares[worst])),
              ": another load, friction, zero or mount than the robot file has? `veridyn diagnose` asks what changed."), Severity::kWarning);
   }
@@ -559,7 +563,7 @@ class RobotCheck {
   // Reports one line for each accepted hypothesis, with the error without it and all options together.
   // @param also  option that does as well as that of a change within the recording; empty: none.
   void report(double before, const std::string& also) {
-    std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.finding, a.joint) < std::tie(b.finding, b.joint); });
+    std::sort(best_.set.begin(), best_.set.end(), [](const RecordingQuestion& a, const RecordingQuestion& b) { return std::tie(a.kind, a.joint) < std::tie(b.kind, b.joint); });
     const std::string given = given_options(options_.signals), options = options_of(best_.set, options_.signals, given_);
     for (const RecordingQuestion& q : best_.set) {
       std::vector<RecordingQuestion> others = best_.set;
@@ -570,7 +574,7 @@ class RobotCheck {
       std::string sentence = (read_with_options ? "Read with " + given + ", " + uncapitalised(q.what) : q.what) + ": " + reason_for(q, left, without) + "; ";
       if (is_explained(best_)) sentence += options + (also.empty() ? " mends it." : " mends it, and so does " + also + "; these rows do not tell which part is sound.");
       else sentence += text(options, " makes it better, but the noise is at ", percent_text(best_.fit.noise()), ": not the whole truth.");
-      add_finding(q.finding, q.joint, left, sentence);
+      add_finding(q.kind, q.joint, left, sentence);
     }
   }
 

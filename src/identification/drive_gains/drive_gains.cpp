@@ -46,7 +46,7 @@ void check(const Model& arm, const std::vector<std::string>& recordings,
   for (const KnownMass& load : loads) {
     require(load.mass > 0.0 && std::isfinite(load.mass), "known mass: found ", load.mass,
             " kg, expected a mass above 0.");
-    require(arm.find_frame(load.frame) >= 0, "known mass: found the frame '", load.frame, "'",
+    require(arm.find_frame(load.frame).has_value(), "known mass: found the frame '", load.frame, "'",
             did_you_mean(load.frame, frames), ", expected one of robot '", arm.name(),
             "': ", listed(frames), ".");
     require(!load.recordings.empty() || loads.size() == 1,

@@ -35,7 +35,7 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   for (EffectTerm& term : d.effects) term.fixed = false;
   Frame frame;
   frame.name = load_frame_name(index);
-  frame.parent = FrameIndex{arm.find_frame(load.frame)};
+  frame.parent = arm.find_frame(load.frame);
   frame.body = Body{};
   if (arm.inertial_values()) {
     frame.body->phi = InertialParameters::Zero();

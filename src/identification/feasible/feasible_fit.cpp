@@ -68,7 +68,7 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
       bounds.add(unit(j, -1.0), most, text(p.name, " >= ", -most));
   }
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const Frame& frame = arm.frames()[arm.bodies()[b]];
+    const Frame& frame = arm.frames()[arm.bodies()[b].value];
     if (frame.body->fixed) continue;
     const ParameterBox& own = frame.body->box;
     const ParameterBox& all = arm.description().box;
@@ -101,7 +101,7 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
   problem.z = total.z();
   problem.rho2 = total.rho2();
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (!arm.frames()[arm.bodies()[b]].body->fixed)
+    if (!arm.frames()[arm.bodies()[b].value].body->fixed)
       problem.body_columns.push_back(static_cast<int>(kBodyParameters * b));
   }
   problem.G.resize(static_cast<Eigen::Index>(bounds.rows.size()), total.size());
@@ -133,7 +133,7 @@ std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
   bool any = false;
   for (const int first : problem.body_columns) {
     const Body& body =
-        *arm.frames()[arm.bodies()[first / kBodyParameters]].body;
+        *arm.frames()[arm.bodies()[first / kBodyParameters].value].body;
     const std::optional<InertialParameters> prior = manufacturer_values(arm, body);
     // A physically impossible body is not used as a prior.
     const bool usable = prior && body_fault("", *prior).empty();
@@ -175,7 +175,7 @@ void solve_with(PriorUse use, const Model& arm, const SquareRootInformation& tot
   id.certified = result.certificate == Certificate::kRigorous;
   for (const ActiveBody& active : result.active_bodies) {
     const int body = problem.body_columns[active.body] / kBodyParameters;
-    id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body]].name +
+    id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body].value].name +
                                     " is singular");
   }
   for (const ActiveRow& active : result.active_rows)

@@ -94,7 +94,7 @@ Quantity quantity_of(const Model& arm, const FleetFit& fit, const Fleet& fleet, 
     const StandardParameter& p = fit.own_parameter(k);
     spread.name = p.name;
     spread.unit = p.unit;
-    out.joint = JointIndex{main_coordinate(arm.effects()[*p.effect].axis)};
+    out.joint = main_coordinate(arm.effects()[*p.effect].axis);
   } else {
     spread.name = gain_name(arm, k - own);
     out.joint = JointIndex{k - own};

@@ -91,7 +91,7 @@ constexpr const char* kDerived = ", velocities from the position at joints";
 std::string derived_joints(const PreprocessingOptions& how) {
   if (how.derive_velocity_of.empty()) return "";
   std::string out = kDerived;
-  for (const int j : how.derive_velocity_of) out += " " + std::to_string(j + 1);
+  for (const auto [j] : how.derive_velocity_of) out += " " + std::to_string(j + 1);
   return out;
 }
 
@@ -132,7 +132,7 @@ void require_joints(const FactorSet& factors, const Model& arm) {
             r.joints.size(), " joints, expected ", arm.joints(), ".");
     for (int i = 0; i < arm.joints() && !r.blocks.empty(); ++i) {
       std::vector<std::string> mine;
-      for (const int p : columns.parameters_of(i)) {
+      for (const int p : columns.parameters_of({i})) {
         const StandardParameter& parameter = parameters[p];
         if (!parameter.fixed) mine.push_back(parameter.name);
       }
@@ -145,12 +145,12 @@ void require_joints(const FactorSet& factors, const Model& arm) {
 
 }  // namespace
 
-std::vector<int> joints_with_derived_velocities(const FactorSet& factors) {
-  std::vector<int> out;
+std::vector<JointIndex> joints_with_derived_velocities(const FactorSet& factors) {
+  std::vector<JointIndex> out;
   const size_t at = factors.settings.find(kDerived);
   if (at == std::string::npos) return out;
   std::istringstream joints(factors.settings.substr(at + std::strlen(kDerived)));
-  for (int j = 0; joints >> j;) out.push_back(j - 1);
+  for (int j = 0; joints >> j;) out.push_back({j - 1});
   return out;
 }
 
@@ -235,7 +235,7 @@ Identification identify(const Model& arm, const FactorSet& factors,
   if (factors.recordings.empty()) return identify_compressed(arm, {}, train, test, options);
   IdentificationOptions how = options;
   if (how.choose_velocities && how.preprocessing.derive_velocity_of.empty()) {
-    const std::vector<int> joints = joints_with_derived_velocities(factors);
+    const std::vector<JointIndex> joints = joints_with_derived_velocities(factors);
     derive_velocities({joints.begin(), joints.end()}, how);
   }
   require_factors_of(with_friction(arm, how.friction), factors, how.preprocessing);

@@ -22,6 +22,8 @@ void exchange(ByteExchange& bytes, ErrorSums& s) {
   bytes(s.torque2, s.error2, s.torque_max, s.error_max, s.moving_torque2, s.moving_error2);
 }
 
+void exchange(ByteExchange& bytes, JointIndex& joint) { bytes(joint.value); }
+
 void exchange(ByteExchange& bytes, PredictionSeries& s) { bytes(s.time, s.q, s.dq, s.ddq, s.measured, s.modelled); }
 
 void exchange(ByteExchange& bytes, MeasuredRecording& r) {
@@ -45,7 +47,7 @@ struct Request {
   Work work = Work::kCompress;
   // Settings that differ between the fits of one identification: joints with derived velocities, and periods
   // that an earlier fit has found.
-  std::vector<int> derived = {};
+  std::vector<JointIndex> derived = {};
   std::vector<std::string> sources = {};
   std::vector<double> periods = {};
   VectorXd values = {};       // parameters whose errors are measured

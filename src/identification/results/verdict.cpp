@@ -42,7 +42,7 @@ double error_of_constant(const Identification& id, size_t i) {
   std::vector<std::string> offset;
   for (size_t j = 0; j < parameters.size(); ++j) {
     const EffectTerm* term = parameters[j].effect ? &id.model->effects()[static_cast<size_t>(*parameters[j].effect)] : nullptr;
-    if (term != nullptr && term->effect == kPlainOffset && main_coordinate(term->axis) == static_cast<int>(i)) offset = {names[j]};
+    if (term != nullptr && term->effect == kPlainOffset && main_coordinate(term->axis) == JointIndex{static_cast<int>(i)}) offset = {names[j]};
   }
   double left2 = 0.0, torque2 = 0.0;
   for (const CompressedRecording& r : id.factors) {

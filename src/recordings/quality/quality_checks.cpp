@@ -29,8 +29,8 @@ void remove_missing(std::vector<double>& values) {
 
 }  // namespace
 
-void Findings::add(Severity severity, const std::string& finding, const Place& place, const Size& size, const std::string& sentence) {
-  quality_->findings.push_back({quality_->file, finding, place.signal, place.joint, size.share, size.value, size.unit, severity, sentence});
+void Findings::add(Severity severity, QualityKind kind, const Place& place, const Size& size, const std::string& sentence) {
+  quality_->findings.push_back({quality_->file, kind, place.signal, place.joint, size.share, size.value, size.unit, severity, sentence});
 }
 
 void Findings::add_saturated(const std::vector<SaturatedInterval>& intervals) {

@@ -18,7 +18,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Signal, joint and size of a finding; all else is in its sentence.
 struct Place {
   std::string signal;
-  int joint = 0;
+  std::optional<JointIndex> joint = {};
 };
 
 struct Size {
@@ -31,7 +31,7 @@ struct Size {
 class Findings {
  public:
   explicit Findings(RecordingQuality* quality) : quality_(quality) {}
-  void add(Severity severity, const std::string& finding, const Place& place, const Size& size, const std::string& sentence);
+  void add(Severity severity, QualityKind kind, const Place& place, const Size& size, const std::string& sentence);
   void add_saturated(const std::vector<SaturatedInterval>& intervals);
 
  private:
@@ -50,7 +50,7 @@ struct Channel {
   auto of(const Recording& rows) const { return (rows.*signal->values).col(joint); }  ///< the values, one per row
   bool is(MatrixXd Recording::*values) const { return signal->values == values; }  ///< true: a channel of this signal
   const char* load_word() const { return is(&Recording::tau) ? "torque" : "current"; }
-  Place place() const { return {signal->name, joint + 1}; }
+  Place place() const { return {signal->name, JointIndex{joint}}; }
   /// Text such as "joint 3 (tau3)".
   std::string name() const;
   /// Unit for a joint of unknown type, for example "N m or N".

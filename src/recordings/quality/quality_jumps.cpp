@@ -46,7 +46,7 @@ class JumpTally : public Tally {
       const Channel position{&kRecordingSignals[0], static_cast<int>(joint)};
       const double turns = tally.largest / kTurn;
       const bool wrapped = std::round(turns) != 0.0 && std::abs(turns - std::round(turns)) < numbers.turn_error;
-      findings->add(Severity::kFault, "jumps", position.place(), {kNone, tally.largest, position.unit()},
+      findings->add(Severity::kFault, QualityKind::kJumps, position.place(), {kNone, tally.largest, position.unit()},
                     text("The position of ", position.name(), " jumps ", counted(tally.count, "time"),
                          ", by ", number(tally.largest), " at t = ", number(tally.largest_at), " s",
                          wrapped    ? ": a full turn, the angle is wrapped."

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/correlated_columns.hpp"
+#include "model/correlated_joints.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
@@ -42,7 +42,7 @@ void check_duration(const Head& head, Findings* findings) {
   const double cut = usual.drop_start + usual.drop_end;
   const double seconds = head.rows.time[head.rows.rows() - 1] - head.rows.time[0];
   if (!(seconds < cut + kLeastSeconds)) return;
-  findings->add(Severity::kFault, "short_recording", {}, {kNone, seconds, "s"},
+  findings->add(Severity::kFault, QualityKind::kShortRecording, {}, {kNone, seconds, "s"},
                 text("The recording lasts ", number(seconds), " s, of which an identification cuts ", number(usual.drop_start), " s at the start and ",
                      number(usual.drop_end), " s at the end (--drop-start and --drop-end change that): ", number(kEnoughSeconds), " s and more are needed."));
 }
@@ -54,7 +54,7 @@ bool check_clock(const Head& head, Findings* findings) {
   for (int j = 0; j < head.rows.joints(); ++j) onward += head.moves[static_cast<std::size_t>(j)] ? mean_step_product(head.rows.q.col(j)) : 0.0;
   if (!(onward > 0.0)) return false;
   const char* unit = recordings::unit_of_clock(head.step);
-  findings->add(Severity::kFault, "time_unit", {"t", 0}, {kNone, head.step, "s"},
+  findings->add(Severity::kFault, QualityKind::kTimeUnit, {"t"}, {kNone, head.step, "s"},
                 text("One row every ", number(head.step), " s, and the arm moves on from row to row: the times are no seconds; --units t=", unit, " mends it."));
   return true;
 }
@@ -64,19 +64,19 @@ void check_rest(const Head& head, Findings* findings) {
     const double range = head.moves[static_cast<std::size_t>(j)] ? kNone : range_of(head.rows.q.col(j));
     if (std::isnan(range)) continue;
     const Channel position{&kRecordingSignals[0], j};
-    findings->add(Severity::kInfo, "joint_at_rest", position.place(), {kNone, range, position.unit()},
+    findings->add(Severity::kInfo, QualityKind::kJointAtRest, position.place(), {kNone, range, position.unit()},
                   text("Joint ", j + 1, " holds its position (within ", number(range),
                        "): its friction and inertia cannot be told from here; --fix JOINT=VALUE holds it there."));
   }
 }
 
 void check_common_motion(const Head& head, Findings* findings) {
-  for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
-    std::vector<int> moving;
-    std::copy_if(group.begin(), group.end(), std::back_inserter(moving), [&](int j) { return head.moves[static_cast<std::size_t>(j)]; });
+  for (const std::vector<JointIndex>& group : correlated_joints(head.rows.q)) {
+    std::vector<JointIndex> moving;
+    std::copy_if(group.begin(), group.end(), std::back_inserter(moving), [&](JointIndex j) { return head.moves[static_cast<std::size_t>(j.value)]; });
     if (moving.size() < 2) continue;
-    const auto same = [&](int j) { return are_equal(head.rows.q.col(moving.front()), head.rows.q.col(j)); };
-    findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
+    const auto same = [&](JointIndex j) { return are_equal(head.rows.q.col(moving.front().value), head.rows.q.col(j.value)); };
+    findings->add(Severity::kWarning, QualityKind::kMoveAsOne, {"q", moving.front()}, {},
                   text("Joints ", numbers_from_one(moving),
                        std::all_of(moving.begin(), moving.end(), same) ? " have the same position in every row: was one column written twice? What depends on"
                                                                        : " move as one: what depends on",
@@ -95,14 +95,14 @@ void check_load(const Head& head, const RecordingSignal& signal, Findings* findi
   std::vector<Channel> moving = head.moving_loads();
   moving.erase(std::remove_if(moving.begin(), moving.end(), [&](const Channel& c) { return !c.is(signal.values); }), moving.end());
   if (moving.size() > 1 && std::all_of(moving.begin(), moving.end(), [&](const Channel& c) { return has_no_sign(c.of(head.rows)); }))
-    findings->add(Severity::kFault, "no_sign", {signal.name, 0}, {},
+    findings->add(Severity::kFault, QualityKind::kNoSign, {signal.name}, {},
                   text("No ", signal.name, " of any moving joint is ever negative: sizes without a sign, of which no model can be made."));
   for (const RecordingSignal& other : kRecordingSignals) {
     const bool other_load = is_load(other) && &other != &signal;
     for (int j = 0; j < head.rows.joints() && !other_load && (head.rows.*other.values).cols() > 0; ++j) {
       for (int i = 0; i < (&other == &signal ? j : head.rows.joints()); ++i) {
         if (!are_equal((head.rows.*other.values).col(i), (head.rows.*signal.values).col(j))) continue;
-        findings->add(Severity::kFault, "same_column", {signal.name, j + 1}, {},
+        findings->add(Severity::kFault, QualityKind::kSameColumn, {signal.name, JointIndex{j}}, {},
                       text(other.name, i + 1, " and ", signal.name, j + 1,
                            " hold the same numbers in every row: one column was written twice, and another is missing."));
       }
@@ -114,7 +114,7 @@ void check_load(const Head& head, const RecordingSignal& signal, Findings* findi
 
 void check_motion(const Head& head, Findings* findings) {
   if (std::none_of(head.moves.begin(), head.moves.end(), [](bool moves) { return moves; })) {
-    findings->add(Severity::kInfo, "no_motion", {}, {},
+    findings->add(Severity::kInfo, QualityKind::kNoMotion, {}, {},
                   "No joint moves by more than 5 mrad or 5 mm: good for gravity and offsets only, which --at-rest identifies.");
     return;
   }
@@ -148,7 +148,7 @@ void check_start_up(const Head& head, Findings* findings) {
       worst = std::max(worst, ratio);
     }
     if (until == 0.0) continue;
-    findings->add(Severity::kWarning, "start_up_transient", worst_load.place(), {kNone, until, "s"},
+    findings->add(Severity::kWarning, QualityKind::kStartUpTransient, worst_load.place(), {kNone, until, "s"},
                   text("The ", worst_load.load_word(), " rings for ", number(until), " s after the start, worst on joint ",
                        worst_load.joint + 1, " (", number(worst), " times the usual change): leave that part out."));
   }

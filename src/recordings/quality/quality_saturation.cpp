@@ -42,7 +42,7 @@ class ClipTally : public Tally {
       if (extreme.channel.is(&Recording::tau) && extreme.limit != 0.0) findings->add_saturated(extreme.stretches);
       const double share = share_of(extreme.rows, rows_);
       const double limit = extreme.sign * extreme.limit;
-      findings->add(share > numbers.many_clipped ? Severity::kFault : Severity::kWarning, "saturation", extreme.channel.place(),
+      findings->add(share > numbers.many_clipped ? Severity::kFault : Severity::kWarning, QualityKind::kSaturation, extreme.channel.place(),
                     {share, limit, extreme.channel.unit()},
                     text("The ", extreme.channel.load_word(), " of ", extreme.channel.name(), " sits exactly at its extreme ", number(limit), " in ",
                          extreme.rows, " rows (", percent(share), "), up to ", extreme.longest, " in a row: ",
@@ -83,7 +83,7 @@ class ClipTally : public Tally {
     void add_to_run(double step, double time) {
       if (run == 0) {
         entry = step;
-        stretches.push_back({channel.joint, time, time});
+        stretches.push_back({{channel.joint}, time, time});
       }
       stretches.back().to = time;
       ++rows;
@@ -194,7 +194,7 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
     const VectorXd values = without_gaps(load, head.rows);
     const std::string the_load = text("The ", load.load_word(), " of ", load.name());
     if (const int steps = overflows(head, values, load.joint); steps >= numbers.fewest_overflows) {
-      findings->add(Severity::kFault, "overflow", load.place(), {kNone, values.maxCoeff(), load.unit()},
+      findings->add(Severity::kFault, QualityKind::kOverflow, load.place(), {kNone, values.maxCoeff(), load.unit()},
                     text(the_load, " steps from one end of its range (", number(values.minCoeff()), " to ", number(values.maxCoeff()),
                          ") to the other ", counted(steps, "time"), " while the joint moves on: a register that overflows?"));
       continue;
@@ -207,7 +207,7 @@ void check_saturated_plateaus(const Head& head, Findings* findings) {
       if (held.empty()) continue;
       const double limit = sign * quantile(held, 0.5);
       const double share = share_of(static_cast<long>(held.size()), head.rows.rows());
-      findings->add(Severity::kWarning, "saturation", load.place(), {share, limit, load.unit()},
+      findings->add(Severity::kWarning, QualityKind::kSaturation, load.place(), {share, limit, load.unit()},
                     text(the_load, " stays at ", number(limit), ", its extreme, for ", held.size(), " rows (", percent(share),
                          ") while the joint changes speed: saturated?"));
     }
@@ -230,7 +230,7 @@ void check_torque_steps(const Head& head, Findings* findings) {
     if (!quantile_exceeds(changes, numbers.ends, numbers.coarse * range)) continue;
     const double step = quantile(changes, numbers.ends);
     const double rms = std::sqrt(square / static_cast<double>(present.size()));
-    findings->add(Severity::kWarning, "torque_quantised", load.place(), {step / range, step, load.unit()},
+    findings->add(Severity::kWarning, QualityKind::kTorqueQuantised, load.place(), {step / range, step, load.unit()},
                   text("The ", load.load_word(), " of ", load.name(), " goes in steps of about ", number(step),
                        ": these alone are an error of ", percent(kStepToDeviation * step / rms), " of its root mean square."));
   }

@@ -56,7 +56,7 @@ void check_stale_signals(const Head& head, Findings* findings) {
   for (const Channel& channel : channels_of(head.rows)) {
     const double share = share_of_repeats(head, channel);
     if (share < numbers.repeating) continue;
-    findings->add(Severity::kWarning, "stale_signal", channel.place(), {share, kNone, ""},
+    findings->add(Severity::kWarning, QualityKind::kStaleSignal, channel.place(), {share, kNone, ""},
                   text("The signal of ", channel.name(), " repeats its value in ", percent(share),
                        " of the rows in which it should change: refreshed too slowly, at about ", number((1.0 - share) / head.step), " Hz?"));
   }

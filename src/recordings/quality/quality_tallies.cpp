@@ -29,10 +29,10 @@ class TimeTally : public Tally {
   }
 
   void conclude(Findings* findings) const override {
-    findings->add(Severity::kInfo, "sample_rate", {}, {kNone, 1.0 / step_, "Hz"},
+    findings->add(Severity::kInfo, QualityKind::kSampleRate, {}, {kNone, 1.0 / step_, "Hz"},
                   text("One row every ", number(1e3 * step_), " ms (median), ", number(1.0 / step_), " Hz."));
     if (static_cast<double>(alike_) > kAlike * static_cast<double>(holes_)) {
-      findings->add(Severity::kWarning, "two_rates", {}, {share_of(holes_, rows_), 1.0 / (length_ * step_), "Hz"},
+      findings->add(Severity::kWarning, QualityKind::kTwoRates, {}, {share_of(holes_, rows_), 1.0 / (length_ * step_), "Hz"},
                     text(counted(holes_, "row"), ", the first at t = ", number(first_hole_at_), " s, come every ", number(1e3 * length_ * step_),
                          " ms and follow each other: two rates in one recording. Column t counts, not a fixed rate."));
       return;
@@ -40,14 +40,14 @@ class TimeTally : public Tally {
     const double mean_rate = static_cast<double>(rows_ - 1) / (last_ - first_ - lost_time_);
     const bool misleading = std::abs(mean_rate * step_ - 1.0) > numbers.misleading;
     if (longest_ - shortest_ > numbers.irregular * step_) {
-      findings->add(misleading ? Severity::kWarning : Severity::kInfo, "irregular_time", {}, {kNone, mean_rate, "Hz"},
+      findings->add(misleading ? Severity::kWarning : Severity::kInfo, QualityKind::kIrregularTime, {}, {kNone, mean_rate, "Hz"},
                     text("Time steps vary from ", number(1e3 * shortest_), " to ", number(1e3 * longest_), " ms; the mean rate is ",
                          number(mean_rate), " Hz, so count on column t and not on a fixed rate."));
     }
     if (holes_ == 0) return;
     const double share = lost_rows_ / (static_cast<double>(rows_) + lost_rows_);
     const bool many = share > numbers.many_missing || longest_hole_ > numbers.long_hole * step_;
-    findings->add(many ? Severity::kWarning : Severity::kInfo, "missing_rows", {}, {share, longest_hole_, "s"},
+    findings->add(many ? Severity::kWarning : Severity::kInfo, QualityKind::kMissingRows, {}, {share, longest_hole_, "s"},
                   text("About ", number(lost_rows_), " rows are missing (", percent(share), ") in ", counted(holes_, "place"),
                        "; the longest hole is ", number(1e3 * longest_hole_), " ms after t = ", number(longest_hole_at_), " s."));
   }
@@ -106,7 +106,7 @@ class RowTally : public Tally {
   void conclude(Findings* findings) const override {
     const double stale = share_of(stale_, rows_);
     if (stale >= numbers.few_stale) {
-      findings->add(severity_of(stale, numbers.many_stale, numbers.frozen), "stale_rows", {},
+      findings->add(severity_of(stale, numbers.many_stale, numbers.frozen), QualityKind::kStaleRows, {},
                     {stale, static_cast<double>(longest_stale_), "rows"},
                     text(percent(stale), " of the rows repeat the row before although the arm moves (publisher late?); at most ",
                          longest_stale_, " in a row."));
@@ -117,7 +117,7 @@ class RowTally : public Tally {
     for (const Count& count : counts_) {
       const double share = share_of(count.beyond, rows_);
       if (!count.channel.is(&Recording::q) || share < numbers.beyond_turns) continue;
-      findings->add(Severity::kWarning, "degrees", count.channel.place(), {share, kNone, ""},
+      findings->add(Severity::kWarning, QualityKind::kDegrees, count.channel.place(), {share, kNone, ""},
                     text("The position of ", count.channel.name(), " is beyond +-4 pi in ", percent(share),
                          " of the rows: degrees or millimetres instead of rad or m?"));
     }
@@ -150,7 +150,7 @@ class RowTally : public Tally {
     const auto has_load = [this](const Count& c) { return is_load(*c.channel.signal) && c.gaps < rows_; };
     if (std::any_of(counts_.begin(), counts_.end(), has_load)) return;
     const auto joints = std::count_if(counts_.begin(), counts_.end(), [](const Count& c) { return c.channel.is(&Recording::q); });
-    findings->add(Severity::kFault, "no_torque", {"tau", 0}, {1.0, kNone, ""},
+    findings->add(Severity::kFault, QualityKind::kNoTorque, {"tau"}, {1.0, kNone, ""},
                   text("No torque and no current of any joint holds a number (tau1 to tau", joints, ", i1 to i", joints,
                        "): record the efforts, or name their columns by --map tau=SOURCE."));
   }
@@ -162,10 +162,10 @@ class RowTally : public Tally {
       sentence += text(" lacks ", counted(count.gaps, "value"), " (", percent(share), " of the rows); at most ", count.longest_gap, " in a row.");
     } else {
       sentence += " holds no number in any row";
-      sentence += place.joint == 0 ? std::string(".") : text(": ", place.signal, place.joint, "=NAME in --map names another column, and "
+      sentence += !place.joint ? std::string(".") : text(": ", place.signal, place.joint->value + 1, "=NAME in --map names another column, and "
                                                              "--fix JOINT=POSITION leaves a joint out that stood still.");
     }
-    findings->add(severity_of(share, numbers.few_gaps, numbers.many_gaps), "gaps", place,
+    findings->add(severity_of(share, numbers.few_gaps, numbers.many_gaps), QualityKind::kGaps, place,
                   {share, static_cast<double>(count.longest_gap), "rows"}, sentence);
   }
 
@@ -197,7 +197,7 @@ class RowTally : public Tally {
     for (const Count& count : all) largest = std::max(largest, count.largest);
     const auto is_zero = [&](const Count& c) { return (c.constant && c.first == 0.0) || (load && c.largest < kNoLoad && c.gaps < rows_); };
     if (std::all_of(all.begin(), all.end(), is_zero)) {
-      findings->add(load ? Severity::kFault : Severity::kWarning, "zero_signal", {signal.name, 0}, {1.0, kNone, ""},
+      findings->add(load ? Severity::kFault : Severity::kWarning, QualityKind::kZeroSignal, {signal.name}, {1.0, kNone, ""},
                     text("Signal ", signal.name, largest > 0.0 ? text(" is at most ", number(largest)) : std::string(" is zero"),
                          " on every joint (", signal.name, "1 to ", signal.name, all.size(), ") in every row: not recorded",
                          load ? ", so that no force is known; record the efforts, or name their columns by --map." : "?"));
@@ -205,7 +205,7 @@ class RowTally : public Tally {
     }
     for (const Count& count : all) {
       if (!load || !count.constant || std::isnan(count.first)) continue;
-      findings->add(Severity::kWarning, count.first == 0.0 ? "zero_signal" : "constant_signal", count.channel.place(),
+      findings->add(Severity::kWarning, count.first == 0.0 ? QualityKind::kZeroSignal : QualityKind::kConstantSignal, count.channel.place(),
                     {1.0, count.first, count.channel.unit()},
                     text("The signal of ", count.channel.name(), " is ", number(count.first), " in every row: not measured?"));
     }

@@ -84,7 +84,7 @@ bool check_delay(const Head& head, int joint, Findings* findings) {
   const std::optional<double> delay = velocity_delay(head, joint);
   if (!delay || std::abs(*delay) < numbers.delay_rows * head.step) return false;
   const Channel dq = velocity_of(joint);
-  findings->add(Severity::kWarning, "velocity_delay", dq.place(), {kNone, *delay, "s"},
+  findings->add(Severity::kWarning, QualityKind::kVelocityDelay, dq.place(), {kNone, *delay, "s"},
                 text("The velocity of ", dq.name(), " comes ", number(1e3 * std::abs(*delay)),
                      " ms ", *delay > 0.0 ? "later" : "earlier", " than its position says",
                      *delay > 0.0 ? ": a filter, or positions that were commanded and not measured?" : "."));
@@ -109,7 +109,7 @@ void check_quantised(const Head& head, const VelocityFit& fit, double range, Fin
   if (!grid && !two_kinds) return;
   const double step = grid ? quantile(changes, numbers.ends) : quantile(steps, 1.0 - numbers.rare);
   const bool biased = !fit.clear || std::abs(fit.factor - 1.0) > numbers.scale_error;
-  findings->add(biased ? Severity::kWarning : Severity::kInfo, "velocity_quantised", channel.place(), {step / range, step, channel.unit()},
+  findings->add(biased ? Severity::kWarning : Severity::kInfo, QualityKind::kVelocityQuantised, channel.place(), {step / range, step, channel.unit()},
                 text("The velocity of ", channel.name(), " goes in steps of about ", number(step), ", ", percent(step / range), " of its range",
                      biased ? ": take it from the position instead." : ", but right on average."));
 }
@@ -139,7 +139,7 @@ void check_noise(const Head& head, int joint, double range, Findings* findings) 
   const double noise = std::sqrt(recorded / (kSecondDifference * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
   if (ratio < numbers.noisier || noise < numbers.no_noise * range) return;
-  findings->add(Severity::kInfo, "velocity_noise", channel.place(), {noise / range, noise, channel.unit()},
+  findings->add(Severity::kInfo, QualityKind::kVelocityNoise, channel.place(), {noise / range, noise, channel.unit()},
                 text("The velocity of ", channel.name(), " has noise of ", number(noise), ", ", number(ratio),
                      " times that of its position's derivative."));
 }
@@ -151,19 +151,19 @@ bool is_near(double factor, double unit) {
 
 void report_joint_scale(const VelocityFit& fit, Findings* findings) {
   const double f = fit.factor;
-  const auto add = [&](Severity severity, const char* finding, const char* signal, const std::string& sentence) {
-    findings->add(severity, finding, {signal, fit.joint + 1}, {kNone, f, ""}, sentence);
+  const auto add = [&](Severity severity, QualityKind kind, const char* signal, const std::string& sentence) {
+    findings->add(severity, kind, {signal, JointIndex{fit.joint}}, {kNone, f, ""}, sentence);
   };
   const std::string velocity = "The velocity of " + velocity_of(fit.joint).name();
-  if (fit.zero) return add(Severity::kFault, "velocity_scale", "dq", velocity + " is zero while its position moves: take it from the position.");
+  if (fit.zero) return add(Severity::kFault, QualityKind::kVelocityScale, "dq", velocity + " is zero while its position moves: take it from the position.");
   if (std::abs(f + 1.0) < numbers.sign_error)
-    return add(Severity::kFault, "velocity_sign", "dq", velocity + " has the opposite sign of its position's derivative.");
+    return add(Severity::kFault, QualityKind::kVelocitySign, "dq", velocity + " has the opposite sign of its position's derivative.");
   const std::string times = text(velocity, " is ", number(f), " times its position's derivative: ");
-  if (is_near(std::abs(f), kDegrees)) return add(Severity::kFault, "degrees", "dq", times + "deg/s instead of rad/s.");
+  if (is_near(std::abs(f), kDegrees)) return add(Severity::kFault, QualityKind::kDegrees, "dq", times + "deg/s instead of rad/s.");
   if (is_near(std::abs(f) * kDegrees, 1.0))
-    return add(Severity::kFault, "degrees", "q", text("The position of joint ", fit.joint + 1, " changes ", number(1.0 / f),
+    return add(Severity::kFault, QualityKind::kDegrees, "q", text("The position of joint ", fit.joint + 1, " changes ", number(1.0 / f),
                                                       " times faster than its velocity says: degrees instead of rad."));
-  add(std::abs(f - 1.0) > numbers.far_off ? Severity::kFault : Severity::kWarning, "velocity_scale", "dq", times + "take it from the position.");
+  add(std::abs(f - 1.0) > numbers.far_off ? Severity::kFault : Severity::kWarning, QualityKind::kVelocityScale, "dq", times + "take it from the position.");
 }
 
 // Reports factors of the velocities. The same factor on all joints is attributed to the clock (or the unit),
@@ -185,7 +185,7 @@ void report_scales(const Head& head, const std::vector<VelocityFit>& fits, bool 
     }
     return;
   }
-  findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
+  findings->add(Severity::kFault, QualityKind::kRateContradiction, {}, {kNone, common, ""},
                 text("Recorded velocities are ", number(common), " times the derivative of the positions on every moving joint: ",
                      is_near(common, kMinute)          ? "turns, and turns a minute? --units q=rev,dq=rpm."
                      : is_near(common, kTurnsAMinute) ? std::string("turns a minute? --units dq=rpm.")
@@ -201,7 +201,7 @@ void report_unrelated(const Head& head, const VelocityFit& fit, Findings* findin
     if (velocity_fit(head, fit.joint, other).clear)
       way = text("that of joint ", other + 1, " is; --map dq", fit.joint + 1, "=dq", other + 1, " mends it.");
   }
-  findings->add(Severity::kFault, "velocity_unrelated", dq.place(), {kNone, fit.correlation, ""},
+  findings->add(Severity::kFault, QualityKind::kVelocityUnrelated, dq.place(), {kNone, fit.correlation, ""},
                 text("The velocity of ", dq.name(), " is not the derivative of its position (correlation ", number(fit.correlation), "): ", way));
 }
 

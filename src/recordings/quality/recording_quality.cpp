@@ -39,7 +39,7 @@ class AbsurdNumbers {
 
   void conclude(quality::Findings* findings) const {
     if (numbers_ == 0) return;
-    findings->add(Severity::kFault, "absurd_numbers", {}, {bad_row_share(), static_cast<double>(numbers_), "numbers"},
+    findings->add(Severity::kFault, QualityKind::kAbsurdNumbers, {}, {bad_row_share(), static_cast<double>(numbers_), "numbers"},
                   text(quality::counted(numbers_, "number"), " beyond +-1e6 in ", quality::percent(bad_row_share()), " of the rows, the first at t = ",
                        quality::number(first_time_), " s: the file is broken",
                        bad_row_share() < quality::numbers.hopeless_share ? " there." : "; its motion is not judged."));
@@ -58,15 +58,15 @@ void erase_if(List& list, const Condition& condition) {
 // Excludes findings that are effects of others: saturation of a slowly refreshed torque, which repeats its
 // extreme value as well, and rates that follow from times in another unit.
 void exclude_effects(RecordingQuality& quality) {
-  const auto is_held = [all = quality.findings](const std::string& signal, int joint) {
+  const auto is_held = [all = quality.findings](const std::string& signal, std::optional<JointIndex> joint) {
     return std::any_of(all.begin(), all.end(),
-                       [&](const QualityFinding& f) { return f.finding == "stale_signal" && f.signal == signal && f.joint == joint; });
+                       [&](const QualityFinding& f) { return f.kind == QualityKind::kStaleSignal && f.signal == signal && f.joint == joint; });
   };
-  erase_if(quality.saturated, [&](const SaturatedInterval& one) { return is_held("tau", one.joint + 1); });
-  const bool other_unit = quality.find("time_unit") != nullptr;
+  erase_if(quality.saturated, [&](const SaturatedInterval& one) { return is_held("tau", one.joint); });
+  const bool other_unit = quality.find(QualityKind::kTimeUnit) != nullptr;
   erase_if(quality.findings, [&](const QualityFinding& f) {
-    const bool of_rate = f.finding == "rate_contradiction" || f.finding == "sample_rate";
-    return (f.finding == "saturation" && is_held(f.signal, f.joint)) || (other_unit && of_rate);
+    const bool of_rate = f.kind == QualityKind::kRateContradiction || f.kind == QualityKind::kSampleRate;
+    return (f.kind == QualityKind::kSaturation && is_held(f.signal, f.joint)) || (other_unit && of_rate);
   });
 }
 
@@ -104,7 +104,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
   rows->conclude(&findings);
   if (quality.rows > 1) quality.rate = 1.0 / head.step;
   if (quality.rows < quality::numbers.fewest_rows) {
-    findings.add(Severity::kWarning, "short_recording", {}, {quality::kNone, static_cast<double>(quality.rows), "rows"},
+    findings.add(Severity::kWarning, QualityKind::kShortRecording, {}, {quality::kNone, static_cast<double>(quality.rows), "rows"},
                  text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
   } else {
     time->conclude(&findings);
@@ -117,7 +117,7 @@ RecordingQuality checked_quality(Recording head_rows, const std::string& file, c
       }
       quality.period = detect_period(head_rows);
       if (quality.period.found())
-        findings.add(Severity::kInfo, "period", {}, {quality::kNone, quality.period.seconds, "s"},
+        findings.add(Severity::kInfo, QualityKind::kPeriod, {}, {quality::kNone, quality.period.seconds, "s"},
                      text("The motion repeats every ", quality.period.seconds, " s, ", quality::number(quality.period.repeats),
                           " times: repeats give the noise floor."));
     }
@@ -145,6 +145,20 @@ std::string topic_line(const TopicFacts& topic) {
 
 }  // namespace
 
+const char* name_of(QualityKind kind) {
+  static constexpr const char* kNames[] = {
+      "absurd_numbers", "beyond_effort", "beyond_limits", "beyond_speed", "brakes", "changed_midway", "constant_signal", "counts", "current",
+      "degrees", "dh_convention", "encoder_zero", "errors_in_variables", "gaps", "given_unit", "gravity", "hardly_moves",
+      "irregular_time", "joint_at_rest", "jumps", "millimetres", "missing_rows", "motor_side", "move_as_one",
+      "no_motion", "no_sign", "no_torque", "not_compared", "overflow", "period", "position_sign",
+      "rate_contradiction", "remark", "same_column", "sample_rate", "saturation", "share_of_range",
+      "short_recording", "stale_rows", "stale_signal", "start_up_transient", "swapped_joints", "time_unit",
+      "torque_clock", "torque_delay", "torque_filter", "torque_quantised", "torque_sign", "torque_unit", "turns",
+      "two_rates", "unexplained", "values", "velocity_delay", "velocity_noise", "velocity_quantised", "velocity_scale",
+      "velocity_sign", "velocity_unrelated", "weak_motion", "zero_signal"};
+  return kNames[static_cast<int>(kind)];
+}
+
 const char* name_of(Severity severity) {
   static constexpr const char* kNames[] = {"info", "warning", "fault"};
   return kNames[static_cast<int>(severity)];
@@ -156,9 +170,9 @@ Severity RecordingQuality::severity() const {
   return worst;
 }
 
-const QualityFinding* RecordingQuality::find(const std::string& finding, int joint) const {
+const QualityFinding* RecordingQuality::find(QualityKind kind, std::optional<JointIndex> joint) const {
   for (const QualityFinding& candidate : findings) {
-    if (candidate.finding == finding && (joint == 0 || candidate.joint == joint)) return &candidate;
+    if (candidate.kind == kind && (!joint || candidate.joint == joint)) return &candidate;
   }
   return nullptr;
 }
@@ -173,7 +187,7 @@ std::string RecordingQuality::report() const {
   for (const TopicFacts& topic : facts.topics) lines += "  " + topic_line(topic) + "\n";
   for (const QualityFinding& finding : findings) {
     lines +=
-        text("  ", name_of(finding.severity), "  ", finding.finding, ": ", finding.sentence, "\n");
+        text("  ", name_of(finding.severity), "  ", name_of(finding.kind), ": ", finding.sentence, "\n");
   }
   return lines;
 }
@@ -191,7 +205,7 @@ RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
   for (const std::string& remark : quality.facts.remarks) {
     QualityFinding finding;
     finding.file = path;
-    finding.finding = "remark";
+    finding.kind = QualityKind::kRemark;
     finding.share = finding.value = quality::kNone;
     finding.sentence = capitalised(remark);
     at = quality.findings.insert(at, finding) + 1;

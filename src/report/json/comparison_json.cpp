@@ -20,7 +20,7 @@ Json model_json(const ComparedModel& m) {
 }
 
 Json difference_json(const ModelDifference& d) {
-  return {{"quantity", d.quantity},
+  return {{"quantity", name_of(d.quantity)},
           {"name", d.name.empty() ? Json() : Json(d.name)},
           {"expression", d.expression.empty() ? Json() : Json(d.expression)},
           {"unit", d.unit},
@@ -71,7 +71,7 @@ std::string to_json(const ModelComparison& c) {
   out["before"] = model_json(c.before);
   out["after"] = model_json(c.after);
   out["same_motion"] = c.same_motion;
-  out["structure"] = json_each(c.structure, [&](const StructureDifference& s) -> Json { return {{"kind", s.kind}, {"sentence", s.sentence}}; });
+  out["structure"] = json_each(c.structure, [&](const StructureDifference& s) -> Json { return {{"kind", name_of(s.kind)}, {"sentence", s.sentence}}; });
   out["compared"] = c.compared();
   out["differences"] = c.significant();
   for (const auto& [key, list] :

@@ -23,11 +23,15 @@ Json error_pair(const Identification& id) {
   return out;
 }
 
+Json numbers_json(const std::vector<JointIndex>& joints) {
+  return json_each(joints, [](JointIndex joint) -> Json { return joint.value + 1; });
+}
+
 Json summary_json(const DiagnosisSummary& s) {
   return {{"main_findings", s.main},
           {"explained_by_main", s.explained_by_main},
           {"explained_by_all", s.explained_by_all},
-          {"worse_joints", s.worse_joints},
+          {"worse_joints", numbers_json(s.worse_joints)},
           {"held_out_untouched", true}};
 }
 
@@ -35,7 +39,7 @@ Json summary_json(const DiagnosisSummary& s) {
 Json cause_json(const Diagnosis& d, const Cause& cause) {
   if (!d.baseline.model) return {{"effect", effect_of(cause)}};
   const CauseWords w = words_of(*d.baseline.model, cause);
-  return {{"effect", w.effect}, {"joint", w.joint}};
+  return {{"effect", w.effect}, {"joint", w.joint ? w.joint->value + 1 : 0}};
 }
 
 // Adds the other terms for a cause's place: coordinate, frame, constant, text form.
@@ -156,12 +160,12 @@ Json quality_json(const Diagnosis& d) {
     for (const QualityFinding& f : r.findings) {
       if (f.severity == Severity::kInfo) continue;
       out.push_back({{"file", f.file},
-                     {"finding", f.finding},
+                     {"finding", name_of(f.kind)},
                      {"severity", name_of(f.severity)},
-                     {"joint", f.joint},
+                     {"joint", f.joint ? f.joint->value + 1 : 0},
                      {"share", f.share},
                      {"sentence", f.sentence}});
-      if (f.finding != "stale_rows") continue;
+      if (f.kind != QualityKind::kStaleRows) continue;
       const RecordingError* filled = with_filled_rows(d.baseline, f.file);
       if (filled != nullptr) out.back()["filled_rows"] = filled_json(*filled);
     }
@@ -182,11 +186,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["changes_since"] = d.changes;
   out["hypotheses"] = d.hypotheses;
   out["baseline"] = error_pair(d.baseline);
-  out["moving_as_one"] = Json::array();
-  for (std::vector<int> group : d.moving_as_one) {
-    for (int& joint : group) ++joint;
-    out["moving_as_one"].push_back(group);
-  }
+  out["moving_as_one"] = json_each(d.moving_as_one, numbers_json);
   out["findings"] = Json::array();
   if (d.small_apart) out["small"] = Json::array();
   for (const Finding& f : d.findings) out[d.small_apart && !f.main ? "small" : "findings"].push_back(finding_json(d, f));
@@ -215,7 +215,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
             {"effect", n.effect}, {"parameter", n.parameter}, {"unit", n.unit}, {"value", n.value}, {"std", n.deviation}};
   });
   out["excluded_intervals"] = json_each(d.excluded_intervals, [&](const ExcludedInterval& part) -> Json {
-    return {{"file", part.source}, {"joint", part.joint ? *part.joint + 1 : 0}, {"from", part.from}, {"to", part.to},
+    return {{"file", part.source}, {"joint", part.joint ? part.joint->value + 1 : 0}, {"from", part.from}, {"to", part.to},
             {"why", part.why}};
   });
   out["data_quality"] = quality_json(d);

@@ -150,7 +150,7 @@ void add_run(const EngineRun& run, const PidGains& gains, const Model& arm, Json
   out["complete"] = run.complete();
   if (!run.complete()) {
     out["stopped"] = {{"time", run.stopped_at},
-                      {"joint", run.joint ? Json(*run.joint + 1) : Json()},
+                      {"joint", run.joint ? Json(run.joint->value + 1) : Json()},
                       {"why", run.stop_reason(arm)}};
   }
   out["gains"] = {{"p", json_list(gains.p)}, {"i", json_list(gains.i)}, {"d", json_list(gains.d)}};

@@ -5,8 +5,8 @@ namespace veridyn {
 namespace {
 
 Json finding_json(const QualityFinding& finding) {
-  return {{"file", finding.file},        {"finding", finding.finding},
-          {"signal", finding.signal},    {"joint", finding.joint},
+  return {{"file", finding.file},        {"finding", name_of(finding.kind)},
+          {"signal", finding.signal},    {"joint", finding.joint ? finding.joint->value + 1 : 0},
           {"share", finding.share},      {"value", finding.value},
           {"unit", finding.unit},        {"severity", name_of(finding.severity)},
           {"sentence", finding.sentence}};

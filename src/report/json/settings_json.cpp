@@ -24,7 +24,7 @@ Json settings_json(const Identification& id) {
   const auto sources = [](const std::vector<RecordingError>& recordings) {
     return json_each(recordings, [&](const RecordingError& r) -> Json { return r.source; });
   };
-  Json derived = json_each(o.derive_velocity_of, [&](const int joint) -> Json { return joint + 1; });
+  Json derived = json_each(o.derive_velocity_of, [&](JointIndex joint) -> Json { return joint.value + 1; });
   return {{"train", sources(id.train)},
           {"test", sources(id.test)},
           {"method", name_of(id.method)},

@@ -131,8 +131,8 @@ Json meshes_json(const Model& arm) {
   if (read.shapes.empty()) return out;
   const int most = kTrianglesOfArm / static_cast<int>(read.shapes.size());
   for (const LinkShape& shape : read.shapes) {
-    const int frame = arm.find_frame(shape.frame);
-    if (frame >= 0) out.push_back(mesh_json(frame, shape, with_fewer_triangles(surface_of(shape), std::max(12, most))));
+    const std::optional<FrameIndex> frame = arm.find_frame(shape.frame);
+    if (frame) out.push_back(mesh_json(frame->value, shape, with_fewer_triangles(surface_of(shape), std::max(12, most))));
   }
   return out;
 }

@@ -29,7 +29,7 @@ int tip_of(const Model& arm) {
   int best = 0, most = -1;
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     int count = 0;
-    for (int i = 0; i < arm.joints(); ++i) count += arm.moves(k, i) ? 1 : 0;
+    for (int i = 0; i < arm.joints(); ++i) count += arm.moves({k}, {i}) ? 1 : 0;
     if (count < most) continue;
     most = count;
     best = k;

@@ -28,7 +28,7 @@ Json row_json(const KinematicRow& row, bool inverse) {
               {"pose_conditioning", conditioning_json(row.pose)},
               {"jacobian", jacobian}};
   if (!inverse) return out;
-  out["status"] = row.status;
+  out["status"] = name_of(row.status);
   out["position_error"] = row.position_error;
   out["angle_error"] = row.angle_error;
   return out;
@@ -38,7 +38,7 @@ Json head_json(const KinematicTable& table) {
   Json out = json_head("kinematics");
   out["robot"] = table.robot;
   out["frame"] = table.frame;
-  out["solver"] = table.solver;
+  out["solver"] = name_of(table.solver);
   out["joints"] = table.joints;
   out["not_reached"] = table.unreached();
   return out;
@@ -48,8 +48,7 @@ Json head_json(const KinematicTable& table) {
 
 std::string to_json(const KinematicTable& table) {
   Json out = head_json(table);
-  const bool inverse = table.solver != "forward" && table.solver != "workspace";
-  out["rows"] = json_each(table.rows, [&](const KinematicRow& row) -> Json { return row_json(row, inverse); });
+  out["rows"] = json_each(table.rows, [&](const KinematicRow& row) -> Json { return row_json(row, table.is_inverse()); });
   return json_text(out);
 }
 
@@ -67,8 +66,7 @@ std::string to_page(const KinematicTable& table, const Model& arm, const std::st
   result["points"] = points;
   Json series = series_of(command, arm);
   series["joints"].clear();
-  const int tip = arm.find_frame(table.frame);
-  if (tip >= 0) series["arms"][0]["tip"] = tip;
+  if (const auto tip = arm.find_frame(table.frame)) series["arms"][0]["tip"] = tip->value;
   const auto shown = static_cast<Eigen::Index>((table.rows.size() + every - 1) / every);
   MatrixXd q(shown, arm.joints());
   VectorXd time(shown);

@@ -50,9 +50,9 @@ class PassiveEngine final : public Engine {
   double time() const override { return engine_->time(); }
   const VectorXd& q() const override { return q_; }
   const VectorXd& dq() const override { return dq_; }
-  std::optional<int> failed_joint() const override {
-    const std::optional<int> joint = engine_->failed_joint();
-    return joint && *joint < joints() ? joint : std::nullopt;
+  std::optional<JointIndex> failed_joint() const override {
+    const std::optional<JointIndex> joint = engine_->failed_joint();
+    return joint && joint->value < joints() ? joint : std::nullopt;
   }
   const std::vector<std::string>& left_out() const override { return engine_->left_out(); }
 

@@ -114,7 +114,7 @@ class MujocoEngine final : public Engine {
   double time() const override { return time_; }
   const VectorXd& q() const override { return q_; }
   const VectorXd& dq() const override { return dq_; }
-  std::optional<int> failed_joint() const override { return failed_; }
+  std::optional<JointIndex> failed_joint() const override { return failed_; }
   const std::vector<std::string>& left_out() const override { return left_out_; }
 
   void set_state(const VectorRef& q, const VectorRef& dq) override {
@@ -209,7 +209,7 @@ class MujocoEngine final : public Engine {
   bool is_finite(const VectorRef& tau, const VectorXd& q, const VectorXd& dq) noexcept {
     for (int i = 0; i < n_; ++i) {
       if (std::isfinite(tau[i]) && std::isfinite(q[i]) && std::isfinite(dq[i])) continue;
-      failed_ = i;
+      failed_ = {i};
       return false;
     }
     return true;
@@ -317,7 +317,7 @@ class MujocoEngine final : public Engine {
   VectorXd q_, dq_, ddq_, k2_, k3_, k4_, q_trial_, dq_trial_, rate_, bias_, sum_, diagonal_;
   MatrixXd M_;
   double time_ = 0.0;
-  std::optional<int> failed_ = {};
+  std::optional<JointIndex> failed_ = {};
 };
 
 }  // namespace

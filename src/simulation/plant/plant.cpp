@@ -42,7 +42,7 @@ const VectorXd& Plant::q() const {
 const VectorXd& Plant::dq() const {
   return state_->here.dq;
 }
-std::optional<int> Plant::failed_joint() const {
+std::optional<JointIndex> Plant::failed_joint() const {
   return state_->failed;
 }
 const VectorXd& Plant::effect_torques() const {

@@ -141,7 +141,7 @@ double Plant::State::error(const VectorRef& tau, double h) {
         0.1 * h * std::max(of_dq, of_q) / (options.tolerance * (speed * h + options.rest));
     if (ratio <= worst) continue;  // the comparison is false for NaN, which is kept
     worst = ratio;
-    failed = i;
+    failed = {i};
   }
   return worst;
 }

@@ -10,10 +10,10 @@
 
 namespace veridyn {
 
-/// Index of the first entry that is NaN or infinite.
-inline std::optional<int> first_not_finite(const VectorRef& v) {
+/// Joint of the first entry that is NaN or infinite.
+inline std::optional<JointIndex> first_not_finite(const VectorRef& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
-    if (!std::isfinite(v[i])) return static_cast<int>(i);
+    if (!std::isfinite(v[i])) return JointIndex{static_cast<int>(i)};
   }
   return std::nullopt;
 }
@@ -84,7 +84,7 @@ struct Plant::State {
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;
   Work work;
-  std::optional<int> failed = {};  // index of the joint with a value that is not finite
+  std::optional<JointIndex> failed = {};  // joint with a value that is not finite
 };
 
 }  // namespace veridyn

@@ -76,7 +76,7 @@ TEST(Axes, TheFirstAxisIsFoundInTheFrameOfTheCameras) {
   RandomNumbers random(4, 3);
   const Eigen::Isometry3d camera = random_pose(random, 0.3);
   Eigen::Isometry3d mount;
-  mount.matrix() = frame_pose(psm(), VectorXd::Zero(3), psm().find_frame("mount")).matrix();
+  mount.matrix() = frame_pose(psm(), VectorXd::Zero(3), *psm().find_frame("mount")).matrix();
   const Vector3d z = (camera * mount).linear().col(2);
   const Vector3d off = (found.axes[0].point - (camera * mount).translation()).cross(z);
   EXPECT_GT(std::abs(found.axes[0].direction.dot(z)), std::cos(0.05 * kDegree));

@@ -34,7 +34,7 @@ const LinkConstant& constant(const LinksCalibration& r, const std::string& name,
 TEST(Links, DerivativesOfTheChainMatchCentralDifferences) {
   for (const char* robot : {"psm-wrist", "ur10e", "mtm"}) {
     const Model arm = read_model(robot);
-    const int frame = static_cast<int>(arm.frames().size()) - 1;
+    const FrameIndex frame{static_cast<int>(arm.frames().size()) - 1};
     RandomNumbers random(2);
     const Eigen::Isometry3d base = random_pose(random, 0.3);
     const Eigen::Isometry3d tool = random_pose(random, 0.1);
@@ -120,7 +120,7 @@ TEST(Links, AWrongRatioOfTheCounterweightIsFoundWithBaseAndToolUnknown) {
 TEST(Links, ALengthAndAnEncoderZeroOfASixJointArmAreFound) {
   const Model file = read_model("ur10e");
   ModelDescription d = file.description();
-  Frame& forearm = d.frames[file.find_frame("forearm")];
+  Frame& forearm = d.frames[file.find_frame("forearm")->value];
   DhRow row = *forearm.dh;
   row.a += 0.003;
   forearm.variable.offset = 0.0;
@@ -247,7 +247,7 @@ TEST(Links, TheResidualOfAWrongConstantIsNotCountedAsNoise) {
   const PoseDesign where = design_poses(truth, design);
   PoseCapture poses = captured_poses(truth, "counterweight", 30, 0.9, 0.0, 0.0, 5);
   RandomNumbers random(7);
-  const int frame = truth.find_frame("counterweight");
+  const FrameIndex frame = *truth.find_frame("counterweight");
   for (int k = 0; k < 30; ++k) {
     const auto at = static_cast<std::size_t>(k);
     poses.q.row(k) = where.q.row(k);

@@ -16,10 +16,8 @@ Eigen::Vector3d random_vector(RandomNumbers& random, double size) {
   return size * Eigen::Vector3d(x, y, z);
 }
 
-Eigen::Isometry3d pose_of(const Model& arm, const VectorXd& q, int frame) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  if (frame >= 0) T.matrix() = frame_pose(arm, q, frame).matrix();
-  return T;
+Eigen::Isometry3d pose_of(const Model& arm, const VectorXd& q, std::optional<FrameIndex> frame) {
+  return frame ? frame_pose(arm, q, *frame) : Eigen::Isometry3d::Identity();
 }
 
 // In the plane of the cranks the joint of a pair lies at kPivot plus so much along them.
@@ -59,7 +57,7 @@ MarkerCapture captured_psm(const Model& arm, int frames, const CaptureNoise& noi
   out.source = "simulated";
   out.time = VectorXd::LinSpaced(frames, 0.0, 0.05 * (frames - 1));
   for (int b = 0; b < 6; ++b) {
-    const int frame = arm.find_frame(frame_names[b]);
+    const std::optional<FrameIndex> frame = arm.find_frame(frame_names[b]);
     for (int m = 0; m < 3; ++m) {
       CapturedMarker marker;
       marker.body = names[b];

@@ -54,13 +54,13 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   const ScenarioArm& arm = scenario_.arms[index];
   const ScenarioControl& c = scenario_.control;
   const ScenarioModels models = scenario_models(scenario_, index);
-  const Posed base{from_eigen(models.R_world_base), from_eigen(arm.position)};
+  const Eigen::Isometry3d base = Eigen::Translation3d(arm.position) * Eigen::Isometry3d(models.R_world_base);
   arms_.push_back(models.real);
   shown_.emplace_back(models.real);
   known_.emplace_back(models.known);
   measured_.push_back(arm.start);
   world_arms_.push_back({models.real, make_engine(engine, models.real), base});
-  tips_.push_back({static_cast<int>(tips_.size()), models.real.find_frame(arm.frame), arm.offset});
+  tips_.push_back({static_cast<int>(tips_.size()), *models.real.find_frame(arm.frame), arm.offset});
   TipKinematics tip(models.real, {arm.frame, arm.offset});
   tip.update(arm.start, VectorXd::Zero(arm.start.size()));
   starts_.push_back(models.p_world_base + models.R_world_base * tip.position());

@@ -54,7 +54,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<CooperatingAr
     states_.emplace_back(experiment_.real(static_cast<int>(k)), Tip{arm.frame, arm.offset});
     brakes_.push_back(arm.start);
     R_world_base_.push_back(base_rotation(arm.turn));
-    tips_.push_back({static_cast<int>(k), experiment_.real(static_cast<int>(k)).find_frame(arm.frame),
+    tips_.push_back({static_cast<int>(k), *experiment_.real(static_cast<int>(k)).find_frame(arm.frame),
                      arm.offset});
     tau_.push_back(VectorXd::Zero(arm.start.size()));
     joints_.push_back(std::make_unique<Joint>(experiment_.world(), static_cast<int>(k)));

@@ -87,7 +87,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     double time() const override { return world_.time(); }
     const VectorXd& q() const override { return q_; }
     const VectorXd& dq() const override { return world_.dq(arm_); }
-    std::optional<int> failed_joint() const override { return std::nullopt; }
+    std::optional<JointIndex> failed_joint() const override { return std::nullopt; }
     const std::vector<std::string>& left_out() const override { return none_; }
     bool driven() const { return driven_; }  ///< false: the arm is held by its brakes
     /// Called after the world has made a step of `seconds`.

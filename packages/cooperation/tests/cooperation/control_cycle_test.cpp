@@ -143,12 +143,12 @@ TEST(ControlCycle, ObjectImpedanceDoesNotAllocate) {
 TEST(ControlCycle, AWorldStepDoesNotAllocate) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   std::vector<WorldArm> arms;
-  arms.push_back({arm, std::make_unique<Plant>(arm), identity_pose()});
-  arms.push_back({arm, std::make_unique<Plant>(arm), {identity3(), {0.1, 0, 0}}});
+  arms.push_back({arm, std::make_unique<Plant>(arm)});
+  arms.push_back({arm, std::make_unique<Plant>(arm), Eigen::Isometry3d(Eigen::Translation3d(0.1, 0.0, 0.0))});
   Member spring;
   spring.name = "spring";
-  spring.from = {0, arm.find_frame("tool"), {0, 0, 0}};
-  spring.to = {1, arm.find_frame("tool"), {0, 0, 0}};
+  spring.from = {0, *arm.find_frame("tool"), {0, 0, 0}};
+  spring.to = {1, *arm.find_frame("tool"), {0, 0, 0}};
   spring.stiffness = 20000.0;
   spring.damping = 5.0;
   spring.rest_length = 0.0999;

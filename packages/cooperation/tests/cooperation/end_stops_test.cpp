@@ -19,7 +19,7 @@ TEST(EndStops, AJointStopsAtItsEndStop) {
   description.coordinates[0].limits.upper = 2.0;
   const Model arm(description);
   std::vector<WorldArm> arms;
-  arms.push_back({arm, std::make_unique<Plant>(arm), identity_pose()});
+  arms.push_back({arm, std::make_unique<Plant>(arm)});
   World world(std::move(arms), {});
   const struct {
     double q, dq, q_after, dq_after;

@@ -6,6 +6,7 @@
 #include "cooperation/arm_loop.hpp"
 #include "veridyn/control/object_impedance.hpp"
 #include "veridyn/files/model_file.hpp"
+#include "veridyn/math/eigen_pose.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/world.hpp"
@@ -99,10 +100,10 @@ class Carrying {
     setup.encoder_step = Vector3d(7.72e-6, 7.72e-6, 1.29e-6);
     setup.start = start_;
     loops_.emplace_back(setup);
-    tips_.push_back({static_cast<int>(tips_.size()), arm.find_frame("tool"), Vector3d::Zero()});
+    tips_.push_back({static_cast<int>(tips_.size()), *arm.find_frame("tool"), Vector3d::Zero()});
     arms_.push_back({arm,
                      std::make_unique<Plant>(arm),
-                     {rotation_z(turn), {position.x(), position.y(), position.z()}}});
+                     Eigen::Translation3d(position) * Eigen::Isometry3d(eigen(rotation_z(turn)))});
   }
 
   ObjectImpedanceOptions options(const HeldBody& body) const {

@@ -65,7 +65,7 @@ class SprungArm final : public Engine {
   double time() const override { return plant_.time(); }
   const VectorXd& q() const override { return plant_.q(); }
   const VectorXd& dq() const override { return plant_.dq(); }
-  std::optional<int> failed_joint() const override { return plant_.failed_joint(); }
+  std::optional<JointIndex> failed_joint() const override { return plant_.failed_joint(); }
   const std::vector<std::string>& left_out() const override { return plant_.left_out(); }
 
  private:

@@ -8,6 +8,7 @@
 #include "simulation/plant_support.hpp"
 #include "support/near.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/math/eigen_pose.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -25,16 +26,16 @@ Model weightless(const Model& arm) {
   return Model(std::move(d));
 }
 
-WorldArm standing(const Model& arm, const Posed& base = identity_pose()) {
+WorldArm standing(const Model& arm, const Eigen::Isometry3d& base = Eigen::Isometry3d::Identity()) {
   return {arm, std::make_unique<Plant>(arm), base};
 }
 
 Attachment end_of(const Model& arm, int index) {
-  return {index, static_cast<int>(arm.frames().size()) - 1, Eigen::Vector3d::Zero()};
+  return {index, {static_cast<int>(arm.frames().size()) - 1}, Eigen::Vector3d::Zero()};
 }
 
 Attachment tool(const Model& arm, int index) {
-  return {index, arm.find_frame("tool"), Eigen::Vector3d(0.001, 0.002, -0.003)};
+  return {index, *arm.find_frame("tool"), Eigen::Vector3d(0.001, 0.002, -0.003)};
 }
 
 Member spring(const Attachment& from, const Attachment& to, double stiffness, double rest) {
@@ -52,7 +53,7 @@ World two_slides(double stiffness, double damping, bool pulls_only) {
   const Model arm = weightless(slide());
   std::vector<WorldArm> arms;
   arms.push_back(standing(arm));
-  arms.push_back(standing(arm, {identity3(), {0.5, 0, 0}}));
+  arms.push_back(standing(arm, Eigen::Isometry3d(Eigen::Translation3d(0.5, 0, 0))));
   WorldObjects objects;
   objects.members = {spring(end_of(arm, 0), end_of(arm, 1), stiffness, 0.4)};
   objects.members[0].damping = damping;
@@ -116,7 +117,7 @@ double kinetic(const World& world, const std::vector<Model>& arms) {
   return sum;
 }
 
-const Posed kTurnedBase{rotation_z(2.5) * rotation_x(0.2), {0.3, 0.1, 0.02}};
+const Eigen::Isometry3d kTurnedBase = eigen(Posed{rotation_z(2.5) * rotation_x(0.2), {0.3, 0.1, 0.02}});
 
 World two_psms(const Model& arm, double stiffness, double damping, double stretch) {
   std::vector<WorldArm> arms;
@@ -220,7 +221,7 @@ TEST(World, AHeldBodyRestsWhereGraspForcesEqualItsWeight) {
   on_its_side.gravity = {-9.81, 0, 0};
   const Model arm(on_its_side);
   std::vector<WorldArm> arms;
-  arms.push_back(standing(arm, {rotation_y(-M_PI / 2), {0, 0, 0}}));
+  arms.push_back(standing(arm, Eigen::Isometry3d(eigen(rotation_y(-M_PI / 2)))));
   HeldBody body;
   body.mass = 0.2;
   body.inertia = {1e-4, 2e-4, 1.5e-4};

@@ -21,7 +21,7 @@ void require_apart(const MatrixXd& K, int joints, const std::string& name) {
 
 SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
                            const MatrixXd& actuator_to_joint, const std::vector<int>& boards,
-                           const VectorXd& q)
+                           const VectorRef& q)
     : engine_(engine), sensors_(std::vector<RecordedChannel>(static_cast<size_t>(engine.joints()))) {
   const int n = robot.size();
   const int joints = engine.joints();
@@ -63,7 +63,7 @@ void SimulatedArm::set_sensors(const JointSensors& sensors) {
   sensors_ = sensors;
 }
 
-void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
+void SimulatedArm::set_end_stops(const VectorRef& lower, const VectorRef& upper) {
   require(lower.size() == engine_.joints() && upper.size() == engine_.joints(), "end stops: found ",
           lower.size(), " and ", upper.size(), ", expected ", engine_.joints(),
           ", one per joint of the model.");

@@ -61,7 +61,7 @@ TEST(Allocation, KinematicsDoNotAllocate) {
   const MtmKinematics::Joints q7 = MtmKinematics::Joints::Constant(0.1);
   const auto tip = [](const char* name, const VectorXd& q) {
     const Model chain = arm_model(read_arm(name));
-    return Eigen::Matrix4d(frame_pose(chain, q, chain.find_frame("tip")).matrix());
+    return Eigen::Matrix4d(frame_pose(chain, q, *chain.find_frame("tip")).matrix());
   };
   const Eigen::Matrix4d T_psm = tip("PSM1", q6), T_mtm = tip("MTML", q7);
   const long before = malloc_count();

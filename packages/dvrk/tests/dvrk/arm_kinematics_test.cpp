@@ -30,13 +30,13 @@ class Chain {
  public:
   explicit Chain(const ArmFacts& arm) : model_(arm_model(arm)) {}
   Eigen::Matrix4d forward(const VectorXd& q) const {
-    return frame_pose(model_, q, model_.find_frame("tip")).matrix();
+    return frame_pose(model_, q, *model_.find_frame("tip")).matrix();
   }
   // Intersection of an MTM's last four axes.
   Eigen::Vector3d wrist_position(const Eigen::Vector3d& q) const {
     VectorXd all = VectorXd::Zero(model_.joints());
     all.head<3>() = q;
-    return frame_pose(model_, all, 3).translation();
+    return frame_pose(model_, all, {3}).translation();
   }
 
  private:
@@ -260,7 +260,7 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
     motors.head<4>() = q.head<4>();
     motors[4] = q[4] / 1.0186;
     motors[5] = (q[5] + 0.8306 * motors[4]) / 1.2178;
-    return frame_pose(published, motors, published.find_frame("yaw1")).matrix();
+    return frame_pose(published, motors, *published.find_frame("yaw1")).matrix();
   };
   // T_published(q) = X T(q) Y for all q: turns and ways between any two configurations have the
   // same angle and length in both.

@@ -56,15 +56,14 @@ TEST_P(OnEveryArm, GravityOfTheFileEqualsThatOfTheModel) {
       VectorXd q_model = VectorXd::Zero(robot.joints());
       for (const GravityRow& row : chain.rows) {
         q.push_back(row.prismatic ? random.in(0.0, 0.24) : random.in(-1.5, 1.5));
-        const int i = robot.find_coordinate(row.joint);
-        if (i >= 0) q_model[i] = q.back();
+        if (const auto i = robot.find_coordinate(row.joint)) q_model[i->value] = q.back();
       }
       const VectorXd rest = VectorXd::Zero(robot.joints());
       const VectorXd tau = inverse_dynamics(robot, q_model, rest, rest);
       for (std::size_t k = 0; k < q.size(); ++k) {
-        const int i = robot.find_coordinate(chain.rows[k].joint);
-        if (i < 0) continue;
-        EXPECT_NEAR(gravity_by_differences(file, q, k, 9.81), tau[i], 1e-7 * (1.0 + tau.norm()))
+        const auto i = robot.find_coordinate(chain.rows[k].joint);
+        if (!i) continue;
+        EXPECT_NEAR(gravity_by_differences(file, q, k, 9.81), tau[i->value], 1e-7 * (1.0 + tau.norm()))
             << chain.rows[k].joint;
       }
     }

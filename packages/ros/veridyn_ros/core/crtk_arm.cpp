@@ -19,7 +19,7 @@ constexpr double kSliding = 0.2;         // [m/rad] default velocity limit of pr
 // The named frame; without a name "tool", or else the last frame.
 Tip tip_of(const Model& arm, const std::string& name) {
   if (!name.empty()) return {name};
-  return {arm.find_frame("tool") >= 0 ? "tool" : arm.frames().back().name};
+  return {arm.find_frame("tool") ? "tool" : arm.frames().back().name};
 }
 
 TaskRows rows_of(const Model& arm) {

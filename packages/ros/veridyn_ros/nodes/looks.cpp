@@ -54,7 +54,7 @@ UrdfAppearance rod_appearance(const Model& arm) {
   const VectorXd low = joints_at_share(arm, 0.1), high = joints_at_share(arm, 1.0);
   for (std::size_t f = 0; f < arm.frames().size(); ++f) {
     const std::optional<FrameIndex> own = FrameIndex{static_cast<int>(f)}, parent = arm.frames()[f].parent;
-    const auto at = [&](const VectorXd& q, std::optional<FrameIndex> frame) { return frame ? frame_pose(arm, q, frame->value) : Isometry3d::Identity(); };
+    const auto at = [&](const VectorXd& q, std::optional<FrameIndex> frame) { return frame ? frame_pose(arm, q, *frame) : Isometry3d::Identity(); };
     const Vector3d there = (at(low, parent).inverse() * at(low, own)).translation();
     const Vector3d later = (at(high, parent).inverse() * at(high, own)).translation();
     if ((there - later).norm() < kSame) {

@@ -36,7 +36,7 @@ struct Arm {
   Arm(std::string its_name, Model links) : name(std::move(its_name)), model(std::move(links)) {}
   std::string name;
   Model model;  // all links of the URDF
-  int tip = 0;
+  FrameIndex tip;
   Isometry3d base = Isometry3d::Identity();  // pose of the base in the world
   VectorXd q;
   bool seen = false;
@@ -135,9 +135,10 @@ class Show {
     const Looks looks = appearance_of(model);
     root_.setParam(name + "/robot_description", looks.urdf);
     Arm& arm = arms_.emplace_back(name, looks.links);
-    const std::string frame = !tip.empty() ? tip : model.find_frame("tool") >= 0 ? "tool" : model.frames().back().name;
-    arm.tip = arm.model.find_frame(frame);
-    require(arm.tip >= 0, name, ": found no frame '", frame, "' for its tip.");
+    const std::string frame = !tip.empty() ? tip : model.find_frame("tool") ? "tool" : model.frames().back().name;
+    const std::optional<FrameIndex> found = arm.model.find_frame(frame);
+    require(found.has_value(), name, ": found no frame '", frame, "' for its tip.");
+    arm.tip = *found;
     arm.q = start;
     arm.subscribers = {
         root_.subscribe<sensor_msgs::JointState>(name + "/measured_js", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) {
@@ -175,7 +176,7 @@ class Show {
       if (!arm.q.allFinite()) continue;
       for (std::size_t f = 0; f < arm.model.frames().size(); ++f)
         transform(out, arm.name + "_base", arm.name + "/" + arm.model.frames()[f].name,
-                  frame_pose(arm.model, arm.q, static_cast<int>(f)));
+                  frame_pose(arm.model, arm.q, {static_cast<int>(f)}));
     }
     transforms_.publish(out);
   }

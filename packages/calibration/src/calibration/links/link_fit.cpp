@@ -153,7 +153,7 @@ double rms_of(const std::vector<double>& errors, const LinkData& data, bool with
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
-void estimate_attached_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+void estimate_attached_poses(const Model& arm, FrameIndex frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Isometry3d& base, Isometry3d& tool) {
   base = Isometry3d::Identity();
   tool = Isometry3d::Identity();

@@ -50,7 +50,7 @@ double rms_of(const std::vector<double>& errors, const LinkData& data, bool with
 
 /// Sets `base` and `tool` so that the unmodified robot is closest to the measured poses: by A X = Y B, or the
 /// linear problem of positions alone. A pose that is not free is set to the identity.
-void estimate_attached_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+void estimate_attached_poses(const Model& arm, FrameIndex frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Eigen::Isometry3d& base, Eigen::Isometry3d& tool);
 
 }  // namespace veridyn::internal

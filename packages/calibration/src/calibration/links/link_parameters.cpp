@@ -39,10 +39,10 @@ bool mentions(const std::string& formula, const std::string& name) {
 
 }  // namespace
 
-LinkParameters::LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free,
+LinkParameters::LinkParameters(const Model& arm, FrameIndex frame, bool base_free, bool tool_free,
                                bool oriented)
     : arm_(arm) {
-  for (std::optional<FrameIndex> k = FrameIndex{frame}; k; k = arm.frames()[k->value].parent)
+  for (std::optional<FrameIndex> k = frame; k; k = arm.frames()[k->value].parent)
     path_.insert(path_.begin(), k->value);
   collect_entries();
   collect_parameters(base_free, tool_free, oriented);

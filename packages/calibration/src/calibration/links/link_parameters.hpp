@@ -31,7 +31,7 @@ struct LinkParameter {
 class LinkParameters {
  public:
   /// @param base_free, tool_free  the pose is unknown. @param oriented  false: only the tool's position is.
-  LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free, bool oriented);
+  LinkParameters(const Model& arm, FrameIndex frame, bool base_free, bool tool_free, bool oriented);
 
   const Model& arm() const { return arm_; }
   const std::vector<int>& path() const { return path_; }  ///< frames, base first

@@ -26,12 +26,12 @@ constexpr int kHeldOutBlocks = 80;
 constexpr double kNoise = 1e-9;  // [m] smaller differences of constants are rounding
 
 // The last frame that no other has more joints before.
-int most_distal_frame(const Model& arm) {
+FrameIndex most_distal_frame(const Model& arm) {
   std::vector<int> depth(arm.frames().size(), 0);
-  int best = 0;
-  for (std::size_t k = 0; k < depth.size(); ++k) {
-    for (int i = 0; i < arm.joints(); ++i) depth[k] += arm.moves(static_cast<int>(k), i) ? 1 : 0;
-    if (depth[k] >= depth[best]) best = static_cast<int>(k);
+  FrameIndex best;
+  for (int k = 0; k < static_cast<int>(depth.size()); ++k) {
+    for (int i = 0; i < arm.joints(); ++i) depth[k] += arm.moves({k}, {i}) ? 1 : 0;
+    if (depth[k] >= depth[best.value]) best = {k};
   }
   return best;
 }
@@ -54,7 +54,7 @@ std::vector<int> every_row(int frames) {
 }
 
 // Fits the robot with base and tool free or at the file's poses, and finds its identifiable constants.
-Attachment fit_attachment(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
+Attachment fit_attachment(const Model& arm, FrameIndex frame, const PoseCapture& poses, bool base_free,
                   bool tool_free, const LinksOptions& options) {
   Attachment a;
   a.base_free = base_free;
@@ -91,7 +91,7 @@ Attachment fit_attachment(const Model& arm, int frame, const PoseCapture& poses,
 }
 
 // True if the median errors of the unmodified robot are below near_position and near_angle.
-bool is_near_file(const Model& arm, int frame, const PoseCapture& poses) {
+bool is_near_file(const Model& arm, FrameIndex frame, const PoseCapture& poses) {
   const LinkParameters none(arm, frame, false, false, true);
   LinkChain chain(none, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   LinkData data;
@@ -104,7 +104,7 @@ bool is_near_file(const Model& arm, int frame, const PoseCapture& poses) {
 
 // The requested assumption about base and tool; if automatic, both as in the file if that fits as well, else
 // free.
-Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,
+Attachment chosen_attachment(const Model& arm, FrameIndex frame, const PoseCapture& poses,
                              const LinksOptions& options) {
   const auto is = [](AttachedPose p, AttachedPose q) { return p == q; };
   const bool open = is(options.base, AttachedPose::kAutomatic) ||
@@ -399,16 +399,16 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses, con
           poses.q.cols() == 0 ? std::string("no columns of joints")
                               : text("joints q1 to q", poses.q.cols()),
           ", expected q1 to q", arm.joints(), " of robot '", arm.name(), "'.");
-  const int frame = options.frame.empty() ? most_distal_frame(arm) : arm.find_frame(options.frame);
-  require(frame >= 0, "robot '", arm.name(), "': found no frame '", options.frame, "'.");
+  const std::optional<FrameIndex> frame = options.frame.empty() ? most_distal_frame(arm) : arm.find_frame(options.frame);
+  require(frame.has_value(), "robot '", arm.name(), "': found no frame '", options.frame, "'.");
   LinksCalibration out;
   out.robot = arm.name();
   out.source = poses.source;
-  out.frame = arm.frames()[frame].name;
+  out.frame = arm.frames()[frame->value].name;
   out.frames = poses.frames();
   out.reason = insufficient_poses_reason(arm, poses, links_numbers.fewest_frames);
   if (!out.reason.empty()) return out;
-  Attachment a = chosen_attachment(arm, frame, poses, options);
+  Attachment a = chosen_attachment(arm, *frame, poses, options);
   out.base_free = a.base_free;
   out.tool_free = a.tool_free;
   out.rank_gap = a.choice.rank_gap;

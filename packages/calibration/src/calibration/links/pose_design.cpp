@@ -118,34 +118,34 @@ void order_poses(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign
   }
 }
 
-// The named frame (-1: no such frame), or the last of the frames that most joints move.
-int tracked_frame(const Model& arm, const std::string& name) {
+// The named frame (nullopt: no such frame), or the last of the frames that most joints move.
+std::optional<FrameIndex> tracked_frame(const Model& arm, const std::string& name) {
   if (!name.empty()) return arm.find_frame(name);
-  std::size_t best = 0;
+  FrameIndex best;
   int most = -1;
-  for (std::size_t k = 0; k < arm.frames().size(); ++k) {
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     int moved = 0;
-    for (int i = 0; i < arm.joints(); ++i) moved += arm.moves(static_cast<int>(k), i) ? 1 : 0;
+    for (int i = 0; i < arm.joints(); ++i) moved += arm.moves({k}, {i}) ? 1 : 0;
     if (moved < most) continue;
     most = moved;
-    best = k;
+    best = {k};
   }
-  return static_cast<int>(best);
+  return best;
 }
 
 }  // namespace
 
 PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
-  const int frame = tracked_frame(arm, options.frame);
-  require(frame >= 0, "robot '", arm.name(), "': found no frame '", options.frame, "'.");
+  const std::optional<FrameIndex> frame = tracked_frame(arm, options.frame);
+  require(frame.has_value(), "robot '", arm.name(), "': found no frame '", options.frame, "'.");
   PoseDesign out;
   out.robot = arm.name();
-  out.frame = arm.frames()[frame].name;
+  out.frame = arm.frames()[frame->value].name;
   const MotionLimits limits = motion_limits(arm);
   const VectorXd middle = 0.5 * (limits.lower + limits.upper);
   const VectorXd half = 0.5 * options.limit_share * (limits.upper - limits.lower);
   RandomNumbers random(options.seed, 17);
-  const LinkParameters parameters(arm, frame, true, true, true);
+  const LinkParameters parameters(arm, *frame, true, true, true);
   const LinkChain chain(parameters, Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity());
   std::vector<VectorXd> q;
   std::vector<MatrixXd> full;

@@ -5,12 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/model/model.hpp"
+
 namespace veridyn {
 
 /// Attachment point of an object, in a frame of an arm or in the world.
 struct Attachment {
   std::optional<int> arm = {};  ///< index in the World; nullopt: the world itself
-  int frame = 0;
+  FrameIndex frame;
   Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] position in the frame, or in the world
 };
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <vector>
 
 #include "veridyn/math/types.hpp"
-#include "veridyn/math/vector3.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/simulation/engine.hpp"
 #include "veridyn/simulation/object.hpp"
@@ -16,7 +16,7 @@ namespace veridyn {
 struct WorldArm {
   Model model;                     ///< true values, as in the engine
   std::unique_ptr<Engine> engine;  ///< engine that moves it
-  Posed T_world_base = identity_pose();
+  Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
 };
 
 /// Contents of a World beside its arms.

@@ -34,7 +34,7 @@ void check_arm(const ScenarioArm& arm, const Model& model) {
   }
   std::vector<std::string> frames;
   for (const Frame& frame : model.frames()) frames.push_back(frame.name);
-  require(model.find_frame(arm.frame) >= 0, "arm '", arm.name, "': found the frame '", arm.frame,
+  require(model.find_frame(arm.frame).has_value(), "arm '", arm.name, "': found the frame '", arm.frame,
           "'", did_you_mean(arm.frame, frames), ", expected one of ", model.name(), ": ",
           listed(frames), ".");
 }

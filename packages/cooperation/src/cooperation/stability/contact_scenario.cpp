@@ -22,7 +22,7 @@ bool is_scenario(const std::string& path) {
 
 // "tool" if the model has it, else its last frame.
 std::string touching_frame(const Model& model) {
-  return model.find_frame("tool") >= 0 ? "tool" : model.frames().back().name;
+  return model.find_frame("tool") ? "tool" : model.frames().back().name;
 }
 
 }  // namespace

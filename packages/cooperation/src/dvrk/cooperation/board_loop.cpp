@@ -140,10 +140,10 @@ std::vector<ArmAfterFault> BoardLoop::after_fault() const {
   return out;
 }
 
-std::string BoardLoop::words(const char* what, int arm, std::optional<int> joint) const {
+std::string BoardLoop::words(const char* what, int arm, std::optional<JointIndex> joint) const {
   const auto k = static_cast<size_t>(arm);
   const std::string where =
-      joint ? " (joint " + sides_[k]->models().known.coordinates()[*joint].name + ")" : "";
+      joint ? " (joint " + sides_[k]->models().known.coordinates()[joint->value].name + ")" : "";
   return "arm " + scenario_.arms[k].name + ": " + what + where;
 }
 

@@ -124,7 +124,8 @@ class BoardLoop {
   } timing_;
   BoardEnd end_ = BoardEnd::kDone;
   const char* why_ = nullptr;
-  std::optional<int> faulty_arm_ = {}, faulty_joint_ = {};
+  std::optional<int> faulty_arm_ = {};
+  std::optional<JointIndex> faulty_joint_ = {};
   const Sensor* faulty_sensor_ = nullptr;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
@@ -149,10 +150,10 @@ class BoardLoop {
   struct Later {
     const char* what = nullptr;
     int arm = 0;
-    std::optional<int> joint = {};
+    std::optional<JointIndex> joint = {};
     double at = 0.0;
   };
-  std::string words(const char* what, int arm, std::optional<int> joint) const;  ///< "arm NAME: WHAT (joint NAME)"
+  std::string words(const char* what, int arm, std::optional<JointIndex> joint) const;  ///< "arm NAME: WHAT (joint NAME)"
   /// True if the torques of all arms that share a member with arm k explain the measured forces.
   bool neighbours_explain_force(std::size_t k) const noexcept;
   std::vector<Watched> watched_;

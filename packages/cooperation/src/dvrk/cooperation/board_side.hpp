@@ -46,7 +46,7 @@ class BoardSide {
   /// A newly detected fault, as fixed text; `what` null: none.
   struct News {
     const char* what = nullptr;
-    std::optional<int> joint = {};
+    std::optional<JointIndex> joint = {};
     /// The measured force must not be used: the torques of the motors do not explain it, or it is too old.
     bool unexplained = false, old_force = false;
   };

@@ -91,8 +91,7 @@ void add_arms(const ScenarioRun& run, const Scenario& scenario, Eigen::Index ste
     if (run.arm[k].q.rows() == 0 || run.arm[k].tip.rows() == 0) return series["arms"].clear();
     const Model arm = read_model(scenario.arms[k].model);
     series["arms"].push_back(arm_json(arm, base_of(scenario.arms[k])));
-    if (arm.find_frame(scenario.arms[k].frame) >= 0)
-      series["arms"].back()["tip"] = arm.find_frame(scenario.arms[k].frame);
+    if (const auto tip = arm.find_frame(scenario.arms[k].frame)) series["arms"].back()["tip"] = tip->value;
     for (const Json& column : columns(run.arm[k].q, step)) recording["q"].push_back(column);
     recording["tips"].push_back(columns(run.arm[k].tip, step));
   }

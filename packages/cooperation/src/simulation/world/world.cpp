@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "veridyn/effects/effect_facts.hpp"
+#include "veridyn/math/eigen_pose.hpp"
 #include "veridyn/math/require.hpp"
 #include "simulation/world/world_state.hpp"
 
@@ -31,7 +32,7 @@ void require_damping(double value, const std::string& name) {
 World::State::Arm::Arm(WorldArm&& given)
     : model(std::move(given.model)),
       engine(std::move(given.engine)),
-      points(model, given.T_world_base),
+      points(model, from_eigen(given.T_world_base)),
       rigid(model, model.inertial_values().value()),
       rotors(MatrixXd::Zero(model.joints(), model.joints())),
       M(rotors),
@@ -52,7 +53,7 @@ World::State::Arm::Arm(WorldArm&& given)
 World::State::State(std::vector<WorldArm> given, WorldObjects things) : objects(std::move(things)) {
   require(!given.empty(), "world: found no arms, expected at least one.");
   const Eigen::Vector3d& g = given.front().model.gravity();
-  const Vec3d g_world = rotate(given.front().T_world_base.R, Vec3d{g.x(), g.y(), g.z()});
+  const Vec3d g_world = rotate(from_eigen(given.front().T_world_base).R, Vec3d{g.x(), g.y(), g.z()});
   gravity = {g_world.x, g_world.y, g_world.z};
   arms.reserve(given.size());
   for (WorldArm& arm : given) {
@@ -78,8 +79,8 @@ void World::State::check(const Attachment& at, const char* what) const {
   require(at.offset.allFinite(), "world: found ", what, " at a point that is not finite.");
   if (!at.arm) return;
   const Model& model = arms[*at.arm].model;
-  require(at.frame >= 0 && at.frame < static_cast<int>(model.frames().size()), "world: found ",
-          what, " at frame ", at.frame, ", expected one of the ", model.frames().size(),
+  require(at.frame.value >= 0 && at.frame.value < static_cast<int>(model.frames().size()), "world: found ",
+          what, " at frame ", at.frame.value, ", expected one of the ", model.frames().size(),
           " frames of '", model.name(), "'.");
 }
 
@@ -114,7 +115,7 @@ void World::State::check() const {
 
 // The trace is an upper bound of the largest eigenvalue. Zero if M is not positive definite.
 double World::State::Arm::mobility(const Attachment& at) {
-  points.jacobian(at.frame, at.offset, J);
+  points.jacobian(at.frame.value, at.offset, J);
   const auto n = static_cast<Eigen::Index>(model.joints());
   double sum = 0.0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {  // |L^-1 J_axis|^2, by Cholesky in place of M

@@ -8,14 +8,14 @@ namespace veridyn {
 
 World::PointMotion World::State::point(const Attachment& at) const {
   if (!at.arm) return {at.offset, Eigen::Vector3d::Zero()};
-  const ArmPoints::Point p = arms[*at.arm].points.point(at.frame, at.offset);
+  const ArmPoints::Point p = arms[*at.arm].points.point(at.frame.value, at.offset);
   return {p.position, p.velocity};
 }
 
 void World::State::push(const Attachment& at, const Eigen::Vector3d& force, double share) {
   if (!at.arm) return;
   Arm& arm = arms[*at.arm];
-  arm.points.add_force(at.frame, at.offset, force, share, arm.external);
+  arm.points.add_force(at.frame.value, at.offset, force, share, arm.external);
 }
 
 void World::State::clear_forces() {

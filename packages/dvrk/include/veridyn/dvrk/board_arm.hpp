@@ -53,7 +53,7 @@ class BoardArm {
 
   /// Sets the torques of the next write(), limited to the largest currents. @param tau  (m <= n) [N
   /// m], [N] of the first joints; a value that is not finite sets all currents to zero.
-  void set_torques(const VectorXd& tau) noexcept;
+  void set_torques(const VectorRef& tau) noexcept;
   /// (n) torques of set_torques() after its limits, for ModelErrorObserver::set_sent_torques().
   const VectorXd& sent() const;
   /// Sends the commands; call it once in every cycle, also after a failed read.

@@ -26,13 +26,13 @@ class SimulatedArm final : public BoardLoad {
   ///                       singular, of the wrong size or that mixes joints of the model with
   ///                       others.
   SimulatedArm(Engine& engine, const RobotConfig& robot, const MatrixXd& actuator_to_joint,
-               const std::vector<int>& boards, const VectorXd& q);
+               const std::vector<int>& boards, const VectorRef& q);
 
   void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
                std::size_t channels) noexcept override;
 
   /// Sets end stops (joints) [rad], [m] at which the model's joints stop. There are none at first.
-  void set_end_stops(const VectorXd& lower, const VectorXd& upper);
+  void set_end_stops(const VectorRef& lower, const VectorRef& upper);
 
   /// Sets errors of encoders, pots and currents, without delays: currents are those of the cycle. There are
   /// none at first. @throws InvalidInput  another number of joints.

@@ -9,28 +9,28 @@
 namespace veridyn::cli {
 namespace {
 
-const char* describe(dvrk::InverseStatus status) {
+ReachStatus reach_status(dvrk::InverseStatus status) {
   switch (status) {
     case dvrk::InverseStatus::kDone:
-      return "reached";
+      return ReachStatus::kReached;
     case dvrk::InverseStatus::kOutsideLimits:
-      return "outside limits";
+      return ReachStatus::kOutsideLimits;
     case dvrk::InverseStatus::kSingular:
-      return "singular";
+      return ReachStatus::kSingular;
     case dvrk::InverseStatus::kOutOfReach:
-      return "out of reach";
+      return ReachStatus::kOutOfReach;
   }
-  return "";
+  return ReachStatus::kNotReached;
 }
 
 template <typename Kinematics>
 KinematicsExtension::InverseSolver make_solver(const dvrk::ArmFacts& facts) {
   const auto closed = std::make_shared<Kinematics>(facts);
-  return [closed](const Eigen::Isometry3d& T_base_tip, VectorXd& q) -> std::string {
+  return [closed](const Eigen::Isometry3d& T_base_tip, VectorXd& q) {
     const typename Kinematics::Joints near = q;
     const auto solution = closed->inverse(T_base_tip.matrix(), near);
     q = solution.q;
-    return describe(solution.status);
+    return reach_status(solution.status);
   };
 }
 

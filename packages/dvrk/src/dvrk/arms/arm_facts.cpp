@@ -88,7 +88,7 @@ Model arm_model(const ArmFacts& arm) {
   tip.name = "tip";
   tip.parent = FrameIndex{n - 1};
   tip.variable.coefficients = VectorXd::Zero(n);
-  tip.A = from_eigen(Eigen::Isometry3d(arm.T_last_tip));
+  tip.A = from_eigen(arm.T_last_tip);
   description.frames.push_back(tip);
   return Model(description);
 }

@@ -114,14 +114,14 @@ void read_brake(const YamlNode& node, const std::vector<int>& boards,
   actuators[which].brake = brake;
 }
 
-Eigen::Matrix4d read_tip(const YamlNode& node) {
+Eigen::Isometry3d read_tip(const YamlNode& node) {
   node.allow_keys({"position", "rotation"});
-  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   const std::vector<double> p = node.at("position").numbers(3, "three numbers [x, y, z]");
-  T.topRightCorner<3, 1>() << p[0], p[1], p[2];
+  T.translation() << p[0], p[1], p[2];
   const MatrixXd R = read_square(node.at("rotation"));
   if (!is_rotation(R, 1e-9)) node.at("rotation").fail("a matrix that is no rotation", "three rows of one");
-  T.topLeftCorner<3, 3>() = R;
+  T.linear() = R;
   return T;
 }
 

@@ -94,7 +94,7 @@ void ArmUnits::read(const RawActuator* raw, BoardArmState& state) noexcept {
   state.pot_q.noalias() = robot_.pots_to_actuators * pot_;
 }
 
-void ArmUnits::write(const VectorXd& tau, ArmCommand& command) noexcept {
+void ArmUnits::write(const VectorRef& tau, ArmCommand& command) noexcept {
   if (tau.size() != size() || !tau.allFinite()) {
     write_zero(command);
     command.valid = false;
@@ -130,7 +130,7 @@ void ArmUnits::convert_currents(ArmCommand& command) noexcept {
   command.tau.noalias() = joint_torque_ * effort_;
 }
 
-void ArmUnits::pot_positions(const VectorXd& mean_bits, VectorXd& actuator_q) noexcept {
+void ArmUnits::pot_positions(const VectorRef& mean_bits, VectorXd& actuator_q) noexcept {
   for (int i = 0; i < size(); ++i) {
     const ActuatorConfig& actuator = actuators_[i];
     pot_[i] = actuator.volts_to_position(actuator.bits_to_volts(mean_bits[i]));
@@ -138,7 +138,7 @@ void ArmUnits::pot_positions(const VectorXd& mean_bits, VectorXd& actuator_q) no
   actuator_q.noalias() = robot_.pots_to_actuators * pot_;
 }
 
-void ArmUnits::preload_words(const VectorXd& actuator_q, std::uint32_t* words) const noexcept {
+void ArmUnits::preload_words(const VectorRef& actuator_q, std::uint32_t* words) const noexcept {
   for (int i = 0; i < size(); ++i) {
     const double counts = actuator_q[i] / actuators_[i].bits_to_position;
     // Held at the ends here, so that no conversion overflows; NaN: zero.

@@ -35,8 +35,7 @@ std::vector<EffortScale> corrected_scales(const Model& model, const ArmFacts& ar
     scale.unit = arm.actuators[k].prismatic ? "A/N" : "A/N m";
     scale.before = robot.actuators[k].effort_to_amps;
     scale.scale = scale.before;
-    const int i = model.find_coordinate(scale.actuator);
-    if (i >= 0) correct_scale(model.coordinates()[i], scale);
+    if (const auto i = model.find_coordinate(scale.actuator)) correct_scale(model.coordinates()[i->value], scale);
     scales.push_back(scale);
   }
   return scales;

@@ -32,9 +32,9 @@ struct JointMatch {
 JointMatch match_joints(const Model& model, const Model& chain, const ArmFacts& arm) {
   JointMatch match;
   for (int k = 0; k < chain.joints(); ++k) {
-    const int i = model.find_coordinate(chain.coordinates()[k].name);
-    if (i < 0) continue;
-    match.coordinates.push_back(i);
+    const std::optional<JointIndex> i = model.find_coordinate(chain.coordinates()[k].name);
+    if (!i) continue;
+    match.coordinates.push_back(i->value);
     match.rows.push_back(k);
   }
   std::vector<std::string> names;
@@ -210,7 +210,7 @@ std::vector<std::string> holding_effects(const Model& model) {
   for (const EffectTerm& term : model.effects()) {
     if (term.values.empty() || !find_effect(term.effect).traits().holds_at_rest) continue;
     names.push_back(term.effect + "(" +
-                    model.coordinates()[main_coordinate(term.axis)].name +
+                    model.coordinates()[main_coordinate(term.axis).value].name +
                     ")");
   }
   return names;

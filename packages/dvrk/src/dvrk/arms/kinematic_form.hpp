@@ -38,15 +38,6 @@ inline void require_form(const ArmFacts& arm, const std::vector<ExpectedRow>& ro
   }
 }
 
-/// Rigid inverse of a pose.
-inline Eigen::Matrix4d inverse_pose(const Eigen::Matrix4d& T) {
-  Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();
-  inverse.topLeftCorner<3, 3>() = T.topLeftCorner<3, 3>().transpose();
-  inverse.topRightCorner<3, 1>() =
-      -(T.topLeftCorner<3, 3>().transpose() * T.topRightCorner<3, 1>());
-  return inverse;
-}
-
 /// R03 of the remote-centre arms: third column along the shaft.
 inline Eigen::Matrix3d shaft_orientation(double yaw, double pitch) {
   const double s1 = std::sin(yaw), c1 = std::cos(yaw), s2 = std::sin(pitch), c2 = std::cos(pitch);

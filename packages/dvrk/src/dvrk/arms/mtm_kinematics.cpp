@@ -29,7 +29,7 @@ Eigen::Matrix3d wrist_rotation(double pitch, double yaw) {
 }  // namespace
 
 MtmKinematics::MtmKinematics(const ArmFacts& arm)
-    : T_tip_last_(inverse_pose(arm.T_last_tip)),
+    : T_tip_last_(arm.T_last_tip.inverse().matrix()),
       ranges_(arm),
       position_ranges_(arm) {
   require_form(arm, {{0.0, 0.0, {}, 0.0},

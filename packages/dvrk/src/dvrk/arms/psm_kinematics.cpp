@@ -41,7 +41,7 @@ Eigen::Vector3d unit_component_across(const Eigen::Vector3d& v, const Eigen::Vec
 }  // namespace
 
 PsmKinematics::PsmKinematics(const ArmFacts& arm)
-    : T_tip_last_(inverse_pose(arm.T_last_tip)), ranges_(arm) {
+    : T_tip_last_(arm.T_last_tip.inverse().matrix()), ranges_(arm) {
   require_form(arm, {{0.0, kRight, 0.0, kRight},
                      {0.0, -kRight, 0.0, -kRight},
                      {0.0, kRight, {}, 0.0, true},
@@ -105,7 +105,7 @@ EcmKinematics::EcmKinematics(const ArmFacts& arm) : ranges_(arm) {
                      {0.0, -kRight, 0.0, -kRight},
                      {0.0, kRight, {}, 0.0, true},
                      {0.0, 0.0, {}, 0.0}});
-  require(arm.T_last_tip.isIdentity(1e-12), arm.name,
+  require(arm.T_last_tip.matrix().isIdentity(1e-12), arm.name,
           ": found a tip behind the last row, expected none for an endoscope.");
   remote_ = -arm.joints[2].dh->d;
   shaft_ = arm.joints[3].dh->d;

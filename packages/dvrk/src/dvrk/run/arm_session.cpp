@@ -194,7 +194,7 @@ bool ArmSession::update() noexcept {
   return true;
 }
 
-void ArmSession::set_torques(const VectorXd& tau) noexcept {
+void ArmSession::set_torques(const VectorRef& tau) noexcept {
   units_.write(tau, command_);
   commanded_ = command_.valid;
 }
@@ -273,7 +273,7 @@ std::string ArmSession::average_pots(VectorXd& mean) {
   return "";
 }
 
-std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
+std::string ArmSession::load_encoders(const VectorRef& actuator_q) {
   std::vector<std::uint32_t> words(sockets_.size());
   units_.preload_words(actuator_q, words.data());
   for (std::size_t k = 0; k < sockets_.size(); ++k) {

@@ -97,7 +97,7 @@ bool BoardArm::read() noexcept {
   return valid;
 }
 
-void BoardArm::set_torques(const VectorXd& tau) noexcept {
+void BoardArm::set_torques(const VectorRef& tau) noexcept {
   Parts& p = *parts_;
   const Eigen::Index n = std::min<Eigen::Index>(tau.size(), p.all.size());
   for (Eigen::Index j = 0; j < p.all.size(); ++j)

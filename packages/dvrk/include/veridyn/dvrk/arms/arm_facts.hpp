@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,7 +63,7 @@ struct ArmFacts {
   MatrixXd actuator_to_joint;  ///< without an instrument
   MatrixXd pots_to_actuators;  ///< empty: pots sit on the actuators
   std::vector<ArmInstrument> instruments;
-  Eigen::Matrix4d T_last_tip = Eigen::Matrix4d::Identity();  ///< T from the frame of the last DH row to the tip
+  Eigen::Isometry3d T_last_tip = Eigen::Isometry3d::Identity();  ///< T from the frame of the last DH row to the tip
 
   /// K with an instrument; without one if the name is empty.
   /// @throws InvalidInput  the arm knows no such instrument.

@@ -67,16 +67,16 @@ class ArmUnits {
   /// Bits for joint torques. Every current is limited to its actuator's largest; torques that are not finite
   /// give zero current everywhere.
   /// @param tau  (n) [N m, N], a stored vector.
-  void write(const VectorXd& tau, ArmCommand& command) noexcept;
+  void write(const VectorRef& tau, ArmCommand& command) noexcept;
 
   /// Bits of zero current, which differ from 0x8000 by the calibration.
   void write_zero(ArmCommand& command) noexcept;
 
   /// Positions of the actuators from the mean of pot readings [bits].
-  void pot_positions(const VectorXd& mean_bits, VectorXd& actuator_q) noexcept;
+  void pot_positions(const VectorRef& mean_bits, VectorXd& actuator_q) noexcept;
 
   /// Words that load the encoders with positions of the actuators [rad, m].
-  void preload_words(const VectorXd& actuator_q, std::uint32_t* words) const noexcept;
+  void preload_words(const VectorRef& actuator_q, std::uint32_t* words) const noexcept;
 
   /// Forgets the previous counts, after the encoders were loaded.
   void reset() noexcept { has_previous_ = false; }

@@ -94,7 +94,7 @@ class ArmSession {
 
   /// Torques of the joints [N m, N] for the next commit(); (n), a stored vector. Limited to the largest
   /// currents.
-  void set_torques(const VectorXd& tau) noexcept;
+  void set_torques(const VectorRef& tau) noexcept;
   /// The commands after limits.
   const ArmCommand& command() const { return command_; }
   void commit() noexcept;  ///< sends brake currents, and the torques if ready()
@@ -122,7 +122,7 @@ class ArmSession {
   void command_brakes() noexcept;  ///< releases them in PowerState::kOn, else engages them
   std::string average_pots(VectorXd& mean);  ///< mean [bits] of resting pots, (n)
   /// Both return the reason for a failure; empty after success. @param actuator_q  (n) [rad], [m].
-  std::string load_encoders(const VectorXd& actuator_q);
+  std::string load_encoders(const VectorRef& actuator_q);
   std::string load_from_pots();
 
   DatagramLink& link_;
