@@ -13,8 +13,9 @@ constexpr double kStandardErrorsWithoutTest = 2.0, kProbabilityWithoutTest = 0.9
 constexpr int kManyBlocks = 30;
 /// loss of a joint >= kLossShare * the gain on all joints, beyond its error and with a rise of kSmallestDecrease: the term is refuted.
 constexpr double kLossShare = 0.1;
-/// relative decrease of the mean square of the joint that a term helps most >= kSmallestDecrease, else the term does not matter.
-constexpr double kSmallestDecrease = 0.05;
+/// relative decrease of the mean square of the joint that a term helps most >= kSmallestDecrease, against a MODEL >=
+/// kSmallestChange, else the term does not matter.
+constexpr double kSmallestDecrease = 0.02, kSmallestChange = 0.05;
 /// ln of the prior odds of a frequent cause against a seldom one (kPriceOfSeldom), a constant of the robot file, one
 /// that can imitate many others, and curves of one and of two signals; the priors of a dictionary sum to one.
 constexpr double kPriceOfSeldom = 2.0, kConstantPrice = 4.0, kImitator = 3.5, kCurveOfOne = 5.0, kCurveOfTwo = 6.5;

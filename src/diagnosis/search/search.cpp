@@ -90,7 +90,7 @@ class Search {
     // A MODEL's own parameters may move at a cost. A change or a load that moves in their place saves this
     // cost, even if the error stays the same.
     const bool moves_as_model = t.kind == TermKind::kChange || t.kind == TermKind::kLoad;
-    const bool matters = (g.share >= kSmallestDecrease && helps_its_joint) || (moves_as_model && g.prior > t.price + 0.5 * kStandardErrorsWithoutTest * kStandardErrorsWithoutTest);
+    const bool matters = (g.share >= (request_.scope.changes ? kSmallestChange : kSmallestDecrease) && helps_its_joint) || (moves_as_model && g.prior > t.price + 0.5 * kStandardErrorsWithoutTest * kStandardErrorsWithoutTest);
     const double odds = current_.is_repeated() || t.is_daily ? 0.0 : kLnPosteriorOdds;
     return g.sum > t.price + odds && g.sum > g.limit && matters;
   }
