@@ -45,8 +45,10 @@ function unexplained() {
 
 function diagnosisLead() {
   const count = result.findings.length;
-  if (!count) return result.changes_since ? 'Nothing has changed since the model was made, as far as these recordings tell.' : 'Nothing found' +
-      (verdictList().some((v) => v.state !== 'at_floor') ? ', yet not every joint is at its floor.' : verdictList().length ? ': every joint is at its floor.' : ': the recordings support no further effect.');
+  if (!count) {
+    const said = result.verdict_sentence || '';
+    return !said || said === 'none' ? 'Nothing found.' : typeset(said.charAt(0).toUpperCase() + said.slice(1)) + '.';
+  }
   return (result.changes_since ? 'Since the model was made, the arm has changed in ' : 'The arm differs from the model in ') + (count === 1 ? 'one point' : count + ' points') + '.';
 }
 
