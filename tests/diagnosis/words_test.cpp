@@ -215,6 +215,11 @@ TEST(DiagnosisReport, NamesARecordingInWhichAModelFailsAlone) {
     d.baseline.train[1] = with("two.csv", error);
     EXPECT_EQ(d.verdict(), "nothing has changed");
   }
+  // Beside a finding it differs all the same.
+  d.baseline.train[1] = with("two.csv", 0.3);
+  d.findings = with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}}).findings;
+  EXPECT_NE(d.verdict().find(" But two.csv differs from the other recordings: "), std::string::npos) << d.verdict();
+  d.findings.clear();
   // A model that explains a joint nowhere tells no recordings apart.
   d.baseline.train = {with("one.csv", 0.05), with("two.csv", 0.3)};
   d.baseline.test = {with("three.csv", 0.06)};

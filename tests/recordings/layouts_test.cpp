@@ -379,6 +379,15 @@ TEST(EffortsCountedFromZero, BelongToPositionsCountedFromOne) {
   EXPECT_NEAR(r.tau(3, 1), tau(1, 3), 1e-11);
 }
 
+// Numbers that begin elsewhere are those of other joints, and one with many digits is a name.
+TEST(EffortsCountedFromTwo, BelongToOtherJoints) {
+  const Recording r = read_text(table("time,pos_1,pos_2,effort_2,effort_3"));
+  ASSERT_EQ(r.tau.cols(), 2);
+  EXPECT_FALSE(std::isfinite(r.tau(3, 0)));
+  const Recording named = read_text("time,pos_1,effort_99999999999999999999\n0,0.1,1\n0.01,0.2,1\n0.02,0.3,1\n");
+  EXPECT_TRUE(named.tau.size() == 0 || !std::isfinite(named.tau(0, 0)));
+}
+
 // The smallest doubles are times like others.
 TEST(ADenormalTime, IsReadAsZero) {
   const std::string path = testing::TempDir() + "veridyn-denormal-" + std::to_string(::getpid());

@@ -343,6 +343,11 @@ TEST_F(OpenedInMemory, AResultWithoutFindingsIsStated) {
   const OpenedPage page = open(to_page(d));
   expect_faultless(page, 800);
   EXPECT_NE(page.html.find("Nothing found"), std::string::npos);
+  d.joints.resize(1);
+  d.joints[0].joint = JointIndex{0};
+  d.joints[0].held_out = 0.4;
+  d.joints[0].state = JointState::kAtFloor;
+  EXPECT_NE(open(to_page(d)).html.find("No cause was found; joints with an error that no signal of the recordings predicts: 1 (40"), std::string::npos);
   for (const PageElement& plot : page.with("data-plot")) {
     EXPECT_NE(plot.at("data-plot"), "waterfall");
     EXPECT_NE(plot.at("data-model"), "extended");

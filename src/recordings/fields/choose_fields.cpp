@@ -285,13 +285,14 @@ ChosenFields mapped_joints(std::size_t joints, const SignalChoice& choice) {
   return chosen;
 }
 
-// Gives the joints of each signal that are numbered from another base than the positions of their topic the numbers of
-// these.
+// Where the positions of a topic are numbered from 0 and another signal of as many joints from 1, or the reverse, gives the
+// latter the numbers of the positions. Numbers that begin elsewhere are those of other joints.
 void number_as_positions(RawRecording& raw) {
   std::map<std::pair<std::string, int>, std::set<long>> numbers;
+  const auto number = [](const std::string& joint) { return is_number(joint) && joint.size() <= kDigits ? std::stol(joint) : -1; };
   for (const RawStream& stream : raw.streams) {
     for (const RawField& field : stream.fields) {
-      if (field.signal >= 0) numbers[{stream.topic, field.signal}].insert(is_number(field.joint) ? std::stol(field.joint.substr(0, kDigits)) : -1);
+      if (field.signal >= 0) numbers[{stream.topic, field.signal}].insert(number(field.joint));
     }
   }
   for (RawStream& stream : raw.streams) {
@@ -299,8 +300,9 @@ void number_as_positions(RawRecording& raw) {
     for (RawField& field : stream.fields) {
       if (field.signal < 0 || of_positions.empty()) continue;
       const std::set<long>& own = numbers[{stream.topic, field.signal}];
-      const bool contiguous = *own.begin() >= 0 && *own.rbegin() - *own.begin() == *of_positions.rbegin() - *of_positions.begin() && own.size() == of_positions.size();
-      if (contiguous && *of_positions.begin() >= 0 && *own.begin() != *of_positions.begin()) field.joint = std::to_string(std::stol(field.joint) - *own.begin() + *of_positions.begin());
+      const long shift = *of_positions.begin() - *own.begin();
+      const bool from_zero_and_one = std::min(*of_positions.begin(), *own.begin()) == 0 && std::abs(shift) == 1;
+      if (from_zero_and_one && own.size() == of_positions.size() && *of_positions.rbegin() - *own.rbegin() == shift) field.joint = std::to_string(number(field.joint) + shift);
     }
   }
 }
