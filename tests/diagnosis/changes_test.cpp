@@ -76,6 +76,44 @@ TEST_F(Changes, MomentsVisibleOnlyUnderALeanAreNoLoad) {
   EXPECT_EQ(effect_of(d.findings[0].cause), "gravity_tilt");
 }
 
+// A periodic motion with as much noise in training as before, and twice as much in the held-out recording: its error is above
+// the floor, those of the training recordings are not.
+TEST_F(Changes, NoiseOfAHeldOutRecordingIsNoChange) {
+  const auto periodic = [this](unsigned seed, double noise) {
+    MotionSamples m = waves(2, 0.0);
+    for (int i = 0; i < 2; ++i) {
+      for (int k = 1; k <= 4; ++k) {
+        const double w = 0.6 * M_PI * k;
+        const Eigen::ArrayXd angle = w * m.time.array() + 1.7 * k * seed + i;
+        m.q.col(i).array() += 0.3 * angle.sin();
+        m.dq.col(i).array() += 0.3 * w * angle.cos();
+        m.ddq.col(i).array() -= 0.3 * w * w * angle.sin();
+      }
+    }
+    SimulationOptions options;
+    options.noise = sensor_noise("low");
+    options.seed = seed;
+    Recording r = recording_of(simulate_recording(truth_, m, options));
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    for (Eigen::Index i = 0; i < r.tau.cols(); ++i) {
+      const double size = noise * r.tau.col(i).norm() / std::sqrt(static_cast<double>(r.tau.rows()));
+      for (Eigen::Index k = 0; k < r.tau.rows(); ++k) r.tau(k, i) += size * normal(random);
+    }
+    const std::string path = folder_.path("periodic" + std::to_string(seed) + ".csv");
+    write_recording(r, path);
+    return path;
+  };
+  ModelDescription file = truth_.description();
+  file.values = RobotValues::kPrior;
+  const Identification before = identify(Model(std::move(file)), {periodic(1, 0.02), periodic(2, 0.02), periodic(3, 0.02), periodic(4, 0.02)});
+  ASSERT_TRUE(before.model.has_value()) << before.reason;
+  const Diagnosis d = diagnose(*before.model, {periodic(5, 0.02), periodic(6, 0.02), periodic(7, 0.02)}, {periodic(8, 0.04)});
+  ASSERT_EQ(d.baseline.noise_floor.size(), 2) << d.report();
+  for (int i = 0; i < 2; ++i) EXPECT_GT(d.baseline.test_error.relative[i], search::kAtFloor * d.baseline.noise_floor[i]) << d.report();
+  EXPECT_EQ(d.verdict(), "nothing has changed") << d.report();
+}
+
 // The same of a robot file: under the lean these moments are base parameters, too. Without them their torque would be friction.
 TEST_F(Changes, ALeaningBaseIsAllThatARobotFileLacks) {
   const Model leaning(with_gravity(truth_, {2.0, -1.2, -9.5}));
